@@ -1,0 +1,63 @@
+"""One closed-loop gyro: coil, loop and detector noise in one record."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fogkit import checks
+from fogkit.optics.coil import Coil
+from fogkit.optics.interferometer import power
+from fogkit.optics.loop import Loop
+
+
+@dataclass(frozen=True, kw_only=True)
+class ClosedLoopGyro:
+    """Closed-loop fibre-optic gyro.
+
+    Parameters
+    ----------
+    coil : Coil
+        Sensing coil.
+    loop : Loop
+        Modulation and controller.
+    detector_noise, shot_noise, intensity_noise : float, optional
+        Noise of one half-period's power, relative to full power: its variance at relative power p is
+        ``detector_noise**2 + shot_noise**2 * p + (intensity_noise * p)**2``. White from one half-period to the next.
+
+    Raises
+    ------
+    TypeError
+        If `coil` or `loop` is something else.
+    ValueError
+        If a noise level is negative or not finite.
+    """
+
+    coil: Coil
+    loop: Loop
+    detector_noise: float = 0.0
+    shot_noise: float = 0.0
+    intensity_noise: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, kind in (("coil", Coil), ("loop", Loop)):
+            if not isinstance(getattr(self, name), kind):
+                raise TypeError(f"`{name}` must be a fogkit.optics.{kind.__name__}, got {type(getattr(self, name)).__name__}")
+        for name in ("detector_noise", "shot_noise", "intensity_noise"):
+            checks.non_negative(name, getattr(self, name))
+
+    @property
+    def is_noisy(self) -> bool:
+        """Whether any noise level is above zero."""
+        return max(self.detector_noise, self.shot_noise, self.intensity_noise) > 0
+
+    @property
+    def residual_noise(self) -> float:
+        """Standard deviation of the demodulated phase of one regulation period at rest, rad."""
+        bias_power = power(self.loop.actual_depth)
+        variance = self.detector_noise**2 + self.shot_noise**2 * bias_power + (self.intensity_noise * bias_power) ** 2
+        return float(np.sqrt(variance / self.loop.half_periods) / (0.5 * np.sin(self.loop.depth)))
+
+    @property
+    def angle_random_walk(self) -> float:
+        """Angle random walk that the detector noise causes, rad/sqrt(s): the two-sided rate noise density is its square."""
+        return self.residual_noise * np.sqrt(self.loop.regulation_period) / self.coil.sagnac_scale_factor
