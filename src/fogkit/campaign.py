@@ -21,8 +21,8 @@ def map_cases(
     cases : iterable of dict
         Keyword arguments of each call.
     executor : concurrent.futures.Executor, optional
-        Where the calls run. None makes a process pool for the time of the call. A thread pool is lighter and as fast where
-        the work is done in compiled loops, as in `fogkit.optics.simulate`, which release the interpreter's lock.
+        Where the calls run. None makes a process pool for the time of the call. A thread pool is lighter and as fast
+        where the work is done in compiled loops, as in `fogkit.optics.simulate`, which release the interpreter's lock.
     progress : bool or str, optional
         Whether to show a progress bar, or its label.
 

@@ -24,7 +24,7 @@ UNCOMPENSATED, QUADRATIC, FULL = 0, 1, 2
 @njit(cache=True, nogil=True)
 def sinusoid(amplitude, cycles_per_sample, first_cycle, out):
     """Fill `out` with ``amplitude * sin(2 pi (first_cycle + n * cycles_per_sample))``."""
-    block = 64  # the recurrence is restarted from an exact sine this often: its error stays below 1e-14 of the amplitude
+    block = 64  # the recurrence is restarted from an exact sine this often: its error stays near 1e-14
     c = math.cos(TWO_PI * cycles_per_sample)
     s = math.sin(TWO_PI * cycles_per_sample)
     for start in range(0, out.size, block):
@@ -72,7 +72,7 @@ def advance(
     noise,  # standard normal numbers, shape (n * k,), or empty for a silent detector
     noise_levels,  # detector, shot and intensity noise of one half-period, shape (3,)
     pattern,  # bias states +1 or -1, shape (rows, k)
-    order_signs,  # +1 where a row visits the negative state first on average, -1 the other way, 0 balanced; shape (rows,)
+    order_signs,  # first moment of each row of `pattern`, see `loop.Loop.order_signs`, shape (rows,)
     first_period,  # index of the first regulation period: which row of `pattern` is due
     depth,  # actual modulation depth
     nominal_depth,  # the depth that demodulation and compensation believe

@@ -2,12 +2,12 @@
 
 While the case accelerates, the phase moves by ``2 h`` between two bias states and the demodulated phase is off by
 ``cot(depth) * h * residual`` (`interferometer.demodulate`). Both factors are at hand: the residual is what the loop
-demodulates, and the acceleration is how its own estimate of the rate changes. Their product is computed either inside the
-loop (`InsideLoop`, an option of `simulate.stream`) or from its recorded signals (`after_loop`).
+demodulates, and the acceleration is how its own estimate of the rate changes. Their product is computed either inside
+the loop (`InsideLoop`, an option of `simulate.stream`) or from its recorded signals (`after_loop`).
 
-Detector noise is in both factors. The mean of the product of two noisy numbers is not the product of their means, so that
-the remedy has a bias of its own, `noise_bias`, unless the acceleration is taken from samples whose noise has not reached
-the residual.
+Detector noise is in both factors. The mean of the product of two noisy numbers is not the product of their means, so
+that the remedy has a bias of its own, `noise_bias`, unless the acceleration is taken from samples whose noise has not
+reached the residual.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ class InsideLoop:
     Parameters
     ----------
     law : {"quadratic", "full"}, optional
-        ``quadratic`` removes the product of acceleration and residual; ``full`` divides by the response at the depth that
-        the acceleration makes, and inverts the sine of the interferometer too.
+        ``quadratic`` removes the product of acceleration and residual; ``full`` divides by the response at the depth
+        that the acceleration makes, and inverts the sine of the interferometer too.
     lag : int, optional
-        The acceleration is the feedback increment that the controller computed `lag` regulation periods ago; 0 is the one
-        that the phase under correction itself asks for.
+        The acceleration is the feedback increment that the controller computed `lag` regulation periods ago; 0 is the
+        one that the phase under correction itself asks for.
     depth : float, optional
         Modulation depth that the correction believes, rad, in (0, pi); None is the loop's nominal one.
 
@@ -73,8 +73,8 @@ def after_loop(record: LoopRecord, *, depth: float | None = None, acceleration: 
     depth : float, optional
         Modulation depth that the correction believes, rad, in (0, pi); None is the loop's nominal one.
     acceleration : {"central", "ahead"}, optional
-        Where the acceleration comes from: the estimates one period before and after (``central``, no lag), or one and two
-        periods later (``ahead``, whose noise is independent of the residual's, so that noise makes no bias).
+        Where the acceleration comes from: the estimates one period before and after (``central``, no lag), or one and
+        two periods later (``ahead``, whose noise is independent of the residual's, so that noise makes no bias).
 
     Returns
     -------

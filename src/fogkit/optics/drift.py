@@ -1,12 +1,12 @@
 """Drift of a closed-loop gyro under angular acceleration: the laws.
 
-The two bias states see the interferometer on slopes of opposite sign but on the same curvature. If the phase moves between
-them, the curvature does not cancel, and the demodulated rate is off by ``cot(depth) S eps^2 / (2 k) * sum(b_i t_i^2)``
-with the bias states b_i = -1, +1 at the times t_i (miklyashev eqs. (5), (6)). The sign of the acceleration drops out, so
-that vibration makes a bias.
+The two bias states see the interferometer on slopes of opposite sign but on the same curvature. If the phase moves
+between them, the curvature does not cancel, and the demodulated rate is off by ``cot(depth) S eps^2 / (2 k) * sum(b_i
+t_i^2)`` with the bias states b_i = -1, +1 at the times t_i (miklyashev eqs. (5), (6)). The sign of the
+acceleration drops out, so that vibration makes a bias.
 
-The functions carry the sign that follows from the paper's own eq. (6) with the negative state first. Its printed eqs. (8)
-and (11) have lost it; see the errata of the book.
+The functions carry the sign that follows from the paper's own eq. (6) with the negative state first. Its printed eqs.
+(8) and (11) have lost it; see the errata of the book.
 """
 
 import numpy as np
@@ -97,8 +97,8 @@ def vibration_drift(gyro: ClosedLoopGyro, acceleration: ArrayLike, frequency: Ar
         Amplitude of the angular acceleration, rad/s^2.
     frequency : array_like, shape (...,)
         Frequency of the oscillation, Hz, positive. Where twice the frequency is a multiple of the update rate of the
-        bias pattern, sampling folds the squared signal onto zero frequency and the mean depends on the phase besides; the
-        result is then its mean over all phases.
+        bias pattern, sampling folds the squared signal onto zero frequency and the mean depends on the phase besides;
+        the result is then its mean over all phases.
 
     Returns
     -------
@@ -107,8 +107,8 @@ def vibration_drift(gyro: ClosedLoopGyro, acceleration: ArrayLike, frequency: Ar
 
             -cot(depth) S (a / omega)^2 / (2 k) Re(conj(H) B)
 
-        with ``B = sum_m b_m exp(j omega m dt)`` over the bias states of a regulation period and ``H`` the response of the
-        feedback to the phase of the period's first half-period, `Loop.averaging_response` times
+        with ``B = sum_m b_m exp(j omega m dt)`` over the bias states of a regulation period and ``H`` the response
+        of the feedback to the phase of the period's first half-period, `Loop.averaging_response` times
         `Loop.closed_loop_response`. It tends to half of `steady_drift` at low frequency.
 
     Raises
@@ -143,7 +143,8 @@ def random_vibration_drift(gyro: ClosedLoopGyro, frequency: ArrayLike, density: 
     Returns
     -------
     float
-        Mean rate error, rad/s: each band acts as an oscillation of its mean square, trapezoidal rule between frequencies.
+        Mean rate error, rad/s: each band acts as an oscillation of its mean square, trapezoidal rule between
+        frequencies.
 
     Raises
     ------
@@ -162,9 +163,9 @@ def random_vibration_drift(gyro: ClosedLoopGyro, frequency: ArrayLike, density: 
 def full_response_drift(gyro: ClosedLoopGyro, acceleration: ArrayLike) -> NDArray[np.float64]:
     """Error of the reading under constant acceleration with the exact response of the interferometer.
 
-    The phase moves by ``2 h = S eps dt`` from one bias state to the next, so that the pairs of a regulation period return
-    ``sin(mean) sin(depth + h) / sin(depth)``. The loop settles where their mean asks for the phase gained in a regulation
-    period, and the reading is off by the change of lag against a linear loop.
+    The phase moves by ``2 h = S eps dt`` from one bias state to the next, so that the pairs of a regulation period
+    return ``sin(mean) sin(depth + h) / sin(depth)``. The loop settles where their mean asks for the phase gained in a
+    regulation period, and the reading is off by the change of lag against a linear loop.
 
     Parameters
     ----------
@@ -176,8 +177,8 @@ def full_response_drift(gyro: ClosedLoopGyro, acceleration: ArrayLike) -> NDArra
     Returns
     -------
     ndarray, shape (...,)
-        Rate error against the linear loop, rad/s; NaN where no lag can hold the loop. Its part even in the acceleration is
-        the drift under slow vibration, its odd part a scale factor error of the lag.
+        Rate error against the linear loop, rad/s; NaN where no lag can hold the loop. Its part even in the acceleration
+        is the drift under slow vibration, its odd part a scale factor error of the lag.
 
     Raises
     ------

@@ -41,7 +41,9 @@ class ClosedLoopGyro:
     def __post_init__(self) -> None:
         for name, kind in (("coil", Coil), ("loop", Loop)):
             if not isinstance(getattr(self, name), kind):
-                raise TypeError(f"`{name}` must be a fogkit.optics.{kind.__name__}, got {type(getattr(self, name)).__name__}")
+                raise TypeError(
+                    f"`{name}` must be a fogkit.optics.{kind.__name__}, got {type(getattr(self, name)).__name__}"
+                )
         for name in ("detector_noise", "shot_noise", "intensity_noise"):
             checks.non_negative(name, getattr(self, name))
 
@@ -59,5 +61,5 @@ class ClosedLoopGyro:
 
     @property
     def angle_random_walk(self) -> float:
-        """Angle random walk that the detector noise causes, rad/sqrt(s): the two-sided rate noise density is its square."""
+        """Angle random walk from the detector noise, rad/sqrt(s); the two-sided rate noise density is its square."""
         return self.residual_noise * np.sqrt(self.loop.regulation_period) / self.coil.sagnac_scale_factor

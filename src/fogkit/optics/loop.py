@@ -6,14 +6,15 @@ feedback once::
     second[i + 1]   = second[i] + second_gain * residual[i - delay]
     feedback[i + 1] = feedback[i] + gain * residual[i - delay] + second[i + 1]
 
-so that the open loop from residual to feedback is ``z**-delay (gain + second_gain z / (z - 1)) / (z - 1)``. A `gain` of 1
-closes on the whole estimated error at once; the second integrator removes the lag under constant acceleration.
+so that the open loop from residual to feedback is ``z**-delay (gain + second_gain z / (z - 1)) / (z - 1)``. A `gain` of
+1 closes on the whole estimated error at once; the second integrator removes the lag under constant acceleration.
 """
 
 from __future__ import annotations
 
 import warnings
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -55,7 +56,8 @@ class Loop:
     bias_order : str or array_like of int, shape (rows, half_periods), optional
         A name from `BIAS_ORDERS`, or the states (-1, +1) themselves, each row with as many of one as of the other.
     v_pi_error : float, optional
-        Relative error of the modulator's drive: every phase that it makes is ``1 + v_pi_error`` times the one asked for.
+        Relative error of the modulator's drive: every phase that it makes is ``1 + v_pi_error`` times the one asked
+        for.
 
     Raises
     ------
@@ -108,7 +110,8 @@ class Loop:
             )
         if self.gain > 0.95 * high or self.gain < 1.05 * low:
             warnings.warn(
-                f"`gain` {self.gain:.6g} is within 5 % of a limit of stability: stable gains are ({low:.6g}, {high:.6g})",
+                f"`gain` {self.gain:.6g} is within 5 % of a limit of stability: "
+                f"stable gains are ({low:.6g}, {high:.6g})",
                 UserWarning,
                 stacklevel=4,
             )
@@ -144,7 +147,7 @@ class Loop:
 
     @property
     def order_signs(self) -> NDArray[np.float64]:
-        """First moment of each row of the bias pattern, shape (rows,): 1 for minus-plus, -1 for plus-minus, 0 balanced."""
+        """First moment of each row of the bias pattern, shape (rows,): 1 for minus-plus, -1 for plus-minus."""
         return self.bias_pattern @ np.arange(self.half_periods) * 2 / self.half_periods
 
     def open_loop_response(self, frequency: ArrayLike) -> NDArray[np.complex128]:
@@ -154,7 +157,7 @@ class Loop:
             return numerator / denominator
 
     def closed_loop_response(self, frequency: ArrayLike) -> NDArray[np.complex128]:
-        """Rate estimate over mean rate of the regulation period at `frequency`, Hz, of any shape; 1 at zero frequency."""
+        """Rate estimate over mean rate of a regulation period at `frequency`, Hz, any shape; 1 at zero frequency."""
         numerator, denominator = self._open_loop_fraction(frequency)
         return numerator / (denominator + numerator)
 
@@ -191,7 +194,7 @@ def stable_gains(second_gain: float = 0.0, delay: int = 0) -> tuple[float, float
     """
     from scipy.optimize import brentq  # here, since SciPy's optimisers are slow to load
 
-    # z**d (z - 1)**2 + gain (z - 1) + second_gain z = 0 at z = exp(j theta): the gain is real where `imaginary` vanishes
+    # z**d (z - 1)**2 + gain (z - 1) + second_gain z = 0 at z = exp(j theta) has a real gain where `imaginary` is 0
     def imaginary(theta: ArrayLike) -> NDArray[np.float64]:
         return 4 * np.sin(theta / 2) ** 2 * np.cos(theta * (delay + 0.5)) - second_gain * np.cos(theta / 2)
 
@@ -204,8 +207,9 @@ def stable_gains(second_gain: float = 0.0, delay: int = 0) -> tuple[float, float
     limits = np.unique(np.clip([0.0, gain(np.pi), *map(gain, crossings)], 0.0, None))
     stable = [
         (float(low), float(high))
-        for low, high in zip(limits[:-1], limits[1:], strict=True)
-        if high - low > 1e-12 and _is_stable(0.5 * (low + high), second_gain, delay)  # two limits may differ by rounding
+        for low, high in pairwise(limits)
+        if high - low > 1e-12
+        and _is_stable(0.5 * (low + high), second_gain, delay)  # two limits may differ by rounding
     ]
     return stable[0] if stable else (np.nan, np.nan)
 

@@ -1,10 +1,10 @@
 """The mean of a shaken gyro, taken properly.
 
 The oscillation that makes a drift of tenths of a degree per hour passes through the reading with an amplitude a hundred
-thousand times larger. A plain mean over a record that is no whole number of cycles, or that holds the start of the loop,
-keeps some of it. Either the record is weighted by a window whose spectrum falls fast enough (`windowed_mean`), or the
-oscillation is fitted along with the mean (`harmonic_fit`), or, in a simulation, a linear loop is run on the same samples and
-subtracted (`nonlinear_error`).
+thousand times larger. A plain mean over a record that is no whole number of cycles, or that holds the start of the
+loop, keeps some of it. Either the record is weighted by a window whose spectrum falls fast enough (`windowed_mean`), or
+the oscillation is fitted along with the mean (`harmonic_fit`), or, in a simulation, a linear loop is run on the same
+samples and subtracted (`nonlinear_error`).
 """
 
 from collections.abc import Callable
@@ -55,7 +55,8 @@ def windowed_mean(values: ArrayLike) -> float:
     Returns
     -------
     float
-        Weighted mean. An oscillation with N cycles in the record leaks less than ``36 / (pi N**7)`` of its amplitude.
+        Weighted mean. An oscillation with N cycles in the record leaks about ``36 / (pi N**7)`` of its amplitude at
+        most.
     """
     values = checks.finite_array("values", values, ndim=1)
     weights = _weights(0, values.size, values.size)
@@ -99,7 +100,12 @@ def harmonic_fit(time: ArrayLike, values: ArrayLike, frequency: float, harmonics
 
 
 def nonlinear_error(
-    gyro: ClosedLoopGyro, motion: Motion | Callable | ArrayLike, duration: float | None = None, *, degree: int | None = None, **options
+    gyro: ClosedLoopGyro,
+    motion: Motion | Callable | ArrayLike,
+    duration: float | None = None,
+    *,
+    degree: int | None = None,
+    **options,
 ) -> LoopRecord:
     """Reading of a noiseless gyro less that of the same loop with a linear interferometer.
 
@@ -135,7 +141,8 @@ def simulated_drift(
     oscillation : AngularOscillation
         Motion of the case.
     duration : float, optional
-        Length of the record, s, at least 10 cycles; by default 60 cycles or 4000 regulation periods, whichever is longer.
+        Length of the record, s, at least 10 cycles; by default 60 cycles or 4000 regulation periods, whichever is
+        longer.
     **options
         As in `simulate.stream`: degree, rng, compensation, on_lock_loss, ...
 
@@ -154,7 +161,8 @@ def simulated_drift(
         duration = max(60 / oscillation.frequency, 4000 * period)
     if duration * oscillation.frequency < 10:
         raise ValueError(
-            f"`duration` must be at least 10 cycles of the oscillation, {10 / oscillation.frequency:.6g} s, got {duration:.6g} s: "
+            f"`duration` must be at least 10 cycles of the oscillation, {10 / oscillation.frequency:.6g} s, "
+            f"got {duration:.6g} s: "
             "a shorter record mixes the oscillation into its mean"
         )
     periods = int(np.floor(duration / period * (1 + 1e-12)))
@@ -168,7 +176,10 @@ def simulated_drift(
         done += block.rate.size
     noise = gyro.angle_random_walk / np.sqrt(period) * np.sqrt(squares) / weight
     return DriftMeasurement(
-        drift=float(total / weight), standard_deviation=float(noise), duration=periods * period, samples=periods * gyro.loop.half_periods
+        drift=float(total / weight),
+        standard_deviation=float(noise),
+        duration=periods * period,
+        samples=periods * gyro.loop.half_periods,
     )
 
 

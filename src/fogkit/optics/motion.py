@@ -21,7 +21,7 @@ class Motion(Protocol):
 
 @dataclass(frozen=True, kw_only=True)
 class AngularOscillation:
-    """Harmonic angular oscillation about the input axis: rate ``acceleration / (2 pi frequency) sin(2 pi f t + phase)``.
+    """Harmonic angular oscillation: rate ``acceleration / (2 pi frequency) sin(2 pi frequency t + phase)``.
 
     Parameters
     ----------

@@ -3,7 +3,8 @@
 In half-period n the wave pair carries the Sagnac phase of the rate at its middle, less the feedback step, plus the bias
 of the state that is due, and the detector sees `interferometer.power` of that. After k half-periods the controller of
 `loop` corrects the feedback. The feedback is a phase ramp with 2-pi resets; a wrong drive voltage (`Loop.v_pi_error`)
-makes its steps, its resets and the bias too large by the same factor. The rate is taken as constant during a half-period:
+makes its steps, its resets and the bias too large by the same factor. The rate is taken as constant during a
+half-period:
 its mean over the transit time differs from its middle by ``(pi f tau)**2 / 6``, 6e-7 at 125 Hz and 4e-5 at 1 kHz.
 """
 
@@ -30,7 +31,7 @@ LOCK_LIMIT = np.pi
 
 
 class FringeLockError(RuntimeError):
-    """The residual phase left the fringe that the loop holds; `time` says when, s, and `rate` at which true rate, rad/s."""
+    """The residual phase left the fringe that the loop holds, at `time`, s, and a true rate of `rate`, rad/s."""
 
     def __init__(self, time: float, rate: float) -> None:
         super().__init__(
@@ -114,7 +115,9 @@ def run(
     0.1
     """
     blocks = list(stream(gyro, motion, duration, **options))
-    arrays = {name: np.concatenate([getattr(b, name) for b in blocks]) for name in ("time", "rate", "residual", "true_rate")}
+    arrays = {
+        name: np.concatenate([getattr(b, name) for b in blocks]) for name in ("time", "rate", "residual", "true_rate")
+    }
     return LoopRecord(gyro=gyro, **arrays, resets=blocks[-1].resets, lock_lost_at=blocks[-1].lock_lost_at)
 
 
@@ -136,12 +139,13 @@ def stream(
     gyro : ClosedLoopGyro
         The gyro.
     motion : Motion, callable or array_like, shape (n,)
-        Rotation of the case: a motion of `fogkit.optics.motion`, a function of times in s that returns rates in rad/s, or
-        the rates themselves, one per half-period, a whole number of regulation periods.
+        Rotation of the case: a motion of `fogkit.optics.motion`, a function of times in s that returns rates in rad/s,
+        or the rates themselves, one per half-period, a whole number of regulation periods.
     duration : float, optional
         Length of the simulation, s; rounded down to whole regulation periods. Only an array of rates brings its own.
     degree : int, optional
-        Degree of the Taylor polynomial that stands for the interferometer in each bias state; None is the exact response.
+        Degree of the Taylor polynomial that stands for the interferometer in each bias state; None is the exact
+        response.
     rng : numpy.random.Generator, optional
         Source of the detector noise; needed if the gyro has any.
     initial_rate : float, optional
@@ -149,7 +153,8 @@ def stream(
     compensation : InsideLoop, optional
         Correction of the demodulated phase inside the loop.
     on_lock_loss : {"raise", "nan"}, optional
-        Whether loss of fringe lock raises or fills the rest with NaN. The watch is off for ``degree=1``, which has no fringes.
+        Whether loss of fringe lock raises or fills the rest with NaN. The watch is off for ``degree=1``, which has no
+        fringes.
 
     Yields
     ------
@@ -183,7 +188,11 @@ def _blocks(gyro, motion, periods, parameters, rng, initial_rate, on_lock_loss) 
         count = min(max(1, SAMPLES_PER_BLOCK // k), periods - first)
         rates = motion.sample(first * k, count * k, loop.half_period)
         if first == 0:
-            start = rates[0] if initial_rate is None else checks.in_closed_interval("initial_rate", initial_rate, -np.inf, np.inf)
+            start = (
+                rates[0]
+                if initial_rate is None
+                else checks.in_closed_interval("initial_rate", initial_rate, -np.inf, np.inf)
+            )
             state[0] = to_phase * start
         true_rate = np.empty(count)
         _kernels.period_means(rates, k, true_rate)
@@ -215,11 +224,14 @@ def _whole_periods(gyro: ClosedLoopGyro, motion: Motion, duration: float | None)
     k = gyro.loop.half_periods
     if isinstance(motion, SampledMotion):
         if duration is not None:
-            raise ValueError("`duration` must be left out where `motion` is an array of rates, which has its own length")
+            raise ValueError(
+                "`duration` must be left out where `motion` is an array of rates, which has its own length"
+            )
         periods, left = divmod(len(motion.rates), k)
         if left:
             raise ValueError(
-                f"`motion` must hold a whole number of regulation periods of {k} half-periods, got {len(motion.rates)} rates. "
+                f"`motion` must hold a whole number of regulation periods of {k} half-periods, "
+                f"got {len(motion.rates)} rates. "
                 f"Drop the last {left} or add {k - left}"
             )
         return periods
@@ -228,7 +240,9 @@ def _whole_periods(gyro: ClosedLoopGyro, motion: Motion, duration: float | None)
     # a duration that is whole periods but for rounding counts as whole
     periods = int(np.floor(checks.positive("duration", duration, "s") / gyro.loop.regulation_period * (1 + 1e-12)))
     if periods < 1:
-        raise ValueError(f"`duration` must be at least one regulation period, {gyro.loop.regulation_period:.6g} s, got {duration}")
+        raise ValueError(
+            f"`duration` must be at least one regulation period, {gyro.loop.regulation_period:.6g} s, got {duration}"
+        )
     return periods
 
 

@@ -1,9 +1,9 @@
 """The loop as `control` systems: linear for design, nonlinear for wiring into systems of one's own.
 
-The linear systems have the regulation period as their time step. Input is the mean rate of a regulation period, output the
-rate fed back during it. Margins and bandwidth are computed here from the loop's own formulas: for these loops `control`
-0.10 misses phase crossings at the Nyquist frequency, takes rounding near zero frequency for one where there are two
-integrators, and has no bandwidth for most of them (chapter *How a closed-loop FOG measures rate*).
+The linear systems have the regulation period as their time step. Input is the mean rate of a regulation period, output
+the rate fed back during it. Margins and bandwidth are computed here from the loop's own formulas: for these loops
+`control` 0.10 misses phase crossings at the Nyquist frequency, takes rounding near zero frequency for one where there
+are two integrators, and has no bandwidth for most of them (chapter *How a closed-loop FOG measures rate*).
 """
 
 from dataclasses import dataclass
@@ -175,9 +175,10 @@ def nonlinear_system(gyro: ClosedLoopGyro, *, degree: int | None = None) -> "Non
     -------
     control.NonlinearIOSystem
         Time step half a modulation period. Inputs ``rate``, rad/s, and ``power_noise``, relative power; outputs
-        ``rate_estimate``, rad/s, ``residual_phase``, rad, and ``power``, relative. States: feedback, second integrator and
-        ramp, rad; demodulator sum; index of the half-period within the bias pattern; residuals waiting. It starts at rest
-        from zero states, and equals `simulate.run` with ``initial_rate=0`` sample by sample; there is no watch on fringe lock.
+        ``rate_estimate``, rad/s, ``residual_phase``, rad, and ``power``, relative. States: feedback, second integrator
+        and ramp, rad; demodulator sum; index of the half-period within the bias pattern; residuals waiting. It starts
+        at rest from zero states, and equals `simulate.run` with ``initial_rate=0`` sample by sample; there is no watch
+        on fringe lock.
     """
     import control
 
@@ -190,13 +191,13 @@ def nonlinear_system(gyro: ClosedLoopGyro, *, degree: int | None = None) -> "Non
         ramp = x[2] + x[0]
         turns = np.floor(ramp / (2 * np.pi))
         residual = to_phase * u[0] - scale * x[0] + 2 * np.pi * (scale - 1) * turns
-        bias = pattern[int(round(x[4]))] * loop.actual_depth
+        bias = pattern[round(x[4])] * loop.actual_depth
         light = power(residual + bias) if degree is None else taylor_power(residual, bias, degree)
         return ramp - 2 * np.pi * turns, residual, light + u[1]
 
     def update(t, x, u, params):
         ramp, _, light = look(x, u)
-        index = int(round(x[4]))
+        index = round(x[4])
         new = np.array(x, dtype=float)
         new[2], new[3], new[4] = ramp, x[3] - pattern[index] * light, (index + 1) % pattern.size
         if (index + 1) % k == 0:
