@@ -203,7 +203,9 @@ def test_a_noisy_gyro_wants_a_generator(make_gyro):
         simulate.stream(make_gyro(detector_noise=1e-3), Ramp(acceleration=0), 1.0)
 
 
-@pytest.mark.parametrize(("name", "value"), [("detector_noise", -1.0), ("shot_noise", np.nan), ("intensity_noise", np.inf)])
+@pytest.mark.parametrize(
+    ("name", "value"), [("detector_noise", -1.0), ("shot_noise", np.nan), ("intensity_noise", np.inf)]
+)
 def test_impossible_noise_is_refused_by_name(make_gyro, name, value):
     with pytest.raises(ValueError, match=f"`{name}`"):
         make_gyro(**{name: value})

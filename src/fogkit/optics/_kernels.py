@@ -7,7 +7,7 @@ State vector (float64), carried from block to block by `simulate.stream`::
     state[2]     phase ramp, rad in [0, 2 pi)
     state[3]     2-pi resets so far
     state[4:4+delay]                     demodulated phases waiting in the delay line, oldest first
-    state[4+delay:4+delay+lag+1]         increments of the feedback, newest first (for the compensation)
+    state[4+delay:4+delay+lag]           increments of the feedback, newest first (for the compensation)
 """
 
 import math
@@ -59,10 +59,13 @@ def _horner(coefficients, x):
 @njit(cache=True, nogil=True)
 def _linearised(phase, increment, order_sign, nominal_depth, law, k):
     """Demodulated phase with the cross-term of acceleration and lag taken out; NaN where `FULL` has no inverse."""
-    half_step = order_sign * increment / (2.0 * k)  # half of the phase gained from one bias state to the next
+    half_step = increment / (2.0 * k)  # half of the phase gained from one bias state to the next
     if law == QUADRATIC:
-        return phase * (1.0 - half_step / math.tan(nominal_depth))
-    sine = phase * math.sin(nominal_depth) / math.sin(nominal_depth + half_step)
+        return phase * (1.0 - order_sign * half_step / math.tan(nominal_depth))
+    spread = 1.0  # mean of the cosines of the phases at which the pairs of states stand about their middle
+    if half_step != 0.0:
+        spread = math.sin(k * half_step) / (0.5 * k * math.sin(2.0 * half_step))
+    sine = phase * math.sin(nominal_depth) / (math.sin(nominal_depth + order_sign * half_step) * spread)
     return math.asin(sine) if abs(sine) <= 1.0 else math.nan
 
 
@@ -139,12 +142,20 @@ def advance(
         out_residual[i] = phase
 
         if law != UNCOMPENSATED:
-            for j in range(lag, 0, -1):
-                state[history + j] = state[history + j - 1]
-            state[history] = gain * phase + second + second_gain * phase
-            phase = _linearised(phase, state[history + lag], order_signs[row], compensation_depth, law, k)
+            sign = order_signs[row]
+            if lag == 0:  # the increment that the phase itself asks for, then that of the corrected phase
+                provisional = second + (gain + second_gain) * phase
+                provisional = _linearised(phase, provisional, sign, compensation_depth, law, k)
+                increment = second + (gain + second_gain) * provisional
+            else:
+                increment = state[history + lag - 1]
+            phase = _linearised(phase, increment, sign, compensation_depth, law, k)
             if math.isnan(phase):
                 return i * k + k - 1
+            for j in range(lag - 1, 0, -1):
+                state[history + j] = state[history + j - 1]
+            if lag > 0:
+                state[history] = second + (gain + second_gain) * phase
         if delay > 0:
             oldest = state[4]
             for j in range(delay - 1):

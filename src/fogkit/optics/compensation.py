@@ -36,7 +36,7 @@ class InsideLoop:
     ----------
     law : {"quadratic", "full"}, optional
         ``quadratic`` removes the product of acceleration and residual; ``full`` divides by the response at the depth
-        that the acceleration makes, and inverts the sine of the interferometer too.
+        that the acceleration makes, and inverts the sine of the interferometer too (`drift.full_response_drift`).
     lag : int, optional
         The acceleration is the feedback increment that the controller computed `lag` regulation periods ago; 0 is the
         one that the phase under correction itself asks for.

@@ -182,7 +182,7 @@ def stream(
 def _blocks(gyro, motion, periods, parameters, rng, initial_rate, on_lock_loss) -> Iterator[LoopRecord]:
     loop, to_phase = gyro.loop, gyro.coil.sagnac_scale_factor
     k = loop.half_periods
-    state = np.zeros(5 + loop.delay + parameters["lag"])
+    state = np.zeros(4 + loop.delay + parameters["lag"])
     lock_lost_at = np.nan
     for first in range(0, periods, max(1, SAMPLES_PER_BLOCK // k)):
         count = min(max(1, SAMPLES_PER_BLOCK // k), periods - first)

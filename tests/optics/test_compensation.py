@@ -1,0 +1,124 @@
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fogkit.optics import compensation, drift, measure, simulate
+from fogkit.optics.compensation import InsideLoop
+from fogkit.optics.motion import AngularOscillation, Ramp
+from fogkit.units import DEG
+
+OSCILLATION = AngularOscillation(acceleration=5000 * DEG, frequency=60)
+DEVICE_2 = {"depth": 7 * np.pi / 8, "half_periods": 32}
+
+
+def drift_after_loop(gyro, oscillation=OSCILLATION, duration=1.0, **options):
+    return measure.windowed_mean(compensation.after_loop(simulate.run(gyro, oscillation, duration), **options).rate)
+
+
+@pytest.mark.parametrize(
+    "loop", [{}, {"gain": 0.4}, {"gain": 0.5, "second_gain": 0.05}, {"bias_order": "plus-minus"}, DEVICE_2]
+)
+@pytest.mark.parametrize(
+    "remedy",
+    [{"acceleration": "central"}, {"acceleration": "ahead"}, InsideLoop(), InsideLoop(lag=2), InsideLoop(law="full")],
+)
+def test_every_remedy_takes_nearly_all_of_the_drift(make_gyro, loop, remedy):
+    gyro = make_gyro(**loop)
+    without = measure.simulated_drift(gyro, OSCILLATION, 1.0).drift
+    if isinstance(remedy, InsideLoop):
+        left = measure.simulated_drift(gyro, OSCILLATION, 1.0, compensation=remedy).drift
+    else:
+        left = drift_after_loop(gyro, **remedy)
+    # an acceleration that is n regulation periods old is turned by 2 pi 60 Hz n dt_r, 0.12 rad for the slowest loop here;
+    # a second integrator makes the residual small but turns it by a right angle, so that this counts at first order there:
+    # measured against the same loop without it
+    scale = abs(drift.vibration_drift(make_gyro(**loop | {"second_gain": 0.0}), OSCILLATION.acceleration, 60.0))
+    assert abs(left) < 0.04 * scale
+    assert abs(left) < 0.2 * abs(without)
+
+
+@pytest.mark.parametrize("acceleration", [50000 * DEG, -50000 * DEG])
+def test_the_full_law_makes_the_loop_linear_at_extreme_accelerations(make_gyro, acceleration):
+    gyro = make_gyro(**DEVICE_2)
+    motion = Ramp(acceleration=acceleration)
+    quadratic, full = (
+        measure.nonlinear_error(gyro, motion, 0.03, compensation=remedy).rate[-1]
+        for remedy in (InsideLoop(), InsideLoop(law="full"))
+    )
+    assert abs(full) < 0.001 * abs(quadratic)
+
+
+def test_the_reading_after_the_loop_has_no_lag(make_gyro):
+    record = simulate.run(make_gyro(gain=0.3), Ramp(acceleration=10), 0.05)
+    corrected = compensation.after_loop(record)
+    assert abs(record.error[-1]) > 1e-3
+    assert abs(corrected.error[-1]) < 1e-5 * abs(record.error[-1])  # sine of a residual of 4e-3 rad
+
+
+@pytest.mark.parametrize("gain", [0.3, 1.0])
+@pytest.mark.parametrize("remedy", ["central", "ahead", InsideLoop(lag=0), InsideLoop(lag=1), InsideLoop(lag=2)])
+def test_bias_from_noise_is_the_one_predicted(make_gyro, gain, remedy):
+    # noise so strong that the bias is far above the scatter of the mean; small enough for the response to stay linear
+    gyro = make_gyro(detector_noise=0.02, gain=gain)
+    predicted = compensation.noise_bias(gyro, remedy)
+    runs = []
+    for seed in range(16):
+        rng = np.random.default_rng(seed)
+        if isinstance(remedy, InsideLoop):
+            with_remedy = simulate.run(gyro, Ramp(acceleration=0), 0.8, rng=rng, compensation=remedy).rate
+            plain = simulate.run(gyro, Ramp(acceleration=0), 0.8, rng=np.random.default_rng(seed)).rate
+            runs.append((with_remedy - plain).mean())
+        else:
+            record = simulate.run(gyro, Ramp(acceleration=0), 0.8, rng=rng)
+            corrected = compensation.after_loop(record, acceleration=remedy)
+            kept = np.isin(record.time, corrected.time)
+            runs.append((corrected.rate - (record.rate + record.residual)[kept]).mean())
+    scatter = np.std(runs, ddof=1) / 4
+    # 4 sigma of 16 runs, and the third moment of the noise through the loop's own sine, its variance 1e-4
+    assert abs(np.mean(runs) - predicted) < 4 * scatter + 0.02 * abs(predicted)
+
+
+def test_noise_bias_in_the_cases_that_can_be_done_by_hand(make_gyro):
+    gyro = make_gyro(detector_noise=1e-3)
+    unit = -1 / np.tan(gyro.loop.depth) / 32 * gyro.residual_noise**2 / gyro.coil.sagnac_scale_factor
+    expected = {InsideLoop(lag=0): 2, InsideLoop(lag=1): -1, InsideLoop(lag=2): 0, "central": 0.5, "ahead": 0}
+    for remedy, factor in expected.items():
+        assert_allclose(compensation.noise_bias(gyro, remedy), factor * unit, atol=1e-12 * abs(unit))
+
+
+@pytest.mark.parametrize("depth_error", [-0.02, 0.02])
+def test_a_wrong_depth_leaves_its_share_of_the_cotangent(make_gyro, depth_error):
+    gyro = make_gyro()
+    believed = gyro.loop.depth * (1 + depth_error)
+    without = measure.simulated_drift(gyro, OSCILLATION, 1.0).drift
+    left = drift_after_loop(gyro, depth=believed)
+    inside = measure.simulated_drift(gyro, OSCILLATION, 1.0, compensation=InsideLoop(depth=believed)).drift
+    share = 1 - np.tan(gyro.loop.depth) / np.tan(believed)
+    assert_allclose(
+        [left / without, inside / without], share, rtol=0.05
+    )  # third-degree remainder of the correction itself
+
+
+@pytest.mark.parametrize(
+    ("name", "make"),
+    [
+        ("law", lambda: InsideLoop(law="cubic")),
+        ("lag", lambda: InsideLoop(lag=-1)),
+        ("depth", lambda: InsideLoop(depth=4.0)),
+    ],
+)
+def test_impossible_remedies_are_refused(name, make):
+    with pytest.raises(ValueError, match=f"`{name}`"):
+        make()
+
+
+def test_options_of_after_loop_are_checked(make_gyro):
+    record = simulate.run(make_gyro(), Ramp(acceleration=0), 0.01)
+    with pytest.raises(ValueError, match="`acceleration`"):
+        compensation.after_loop(record, acceleration="behind")
+    with pytest.raises(ValueError, match="`depth`"):
+        compensation.after_loop(record, depth=0.0)
+    with pytest.raises(ValueError, match="`record`.*at least 4"):
+        compensation.after_loop(simulate.run(make_gyro(), np.zeros(48)))
+    with pytest.raises(ValueError, match="`remedy`"):
+        compensation.noise_bias(make_gyro(), "behind")

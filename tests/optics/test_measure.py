@@ -1,0 +1,91 @@
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+
+from fogkit.optics import measure
+from fogkit.optics.motion import AngularOscillation
+from fogkit.units import DEG
+
+OSCILLATION = AngularOscillation(acceleration=5000 * DEG, frequency=60)
+
+
+@pytest.mark.parametrize("cycles", [10.5, 20.5, 40.5])
+def test_window_leaks_as_told(cycles):
+    t = np.arange(200_000) / 200_000
+    worst = max(
+        abs(measure.windowed_mean(np.cos(2 * np.pi * cycles * t + phase))) for phase in np.linspace(0, np.pi, 9)
+    )
+    # half-way between two nulls; the next factors of the exact leakage are 1 - 1/N^2, 1 - 4/N^2, 1 - 9/N^2
+    exact = 36 / (np.pi * cycles**7) / np.prod(1 - np.arange(1, 4) ** 2 / cycles**2)
+    assert_allclose(worst, exact, rtol=0.02)
+
+
+def test_window_keeps_a_constant():
+    assert_allclose(measure.windowed_mean(np.full(77, 3.25)), 3.25, rtol=1e-15)
+
+
+def test_fit_finds_the_mean_under_a_large_oscillation():
+    rng = np.random.default_rng(4)
+    t = np.arange(5000) * 80e-6  # 24 cycles of 60 Hz
+    angle = 2 * np.pi * 60 * t
+    noise = 1e-3
+    estimates = []
+    for _ in range(200):
+        values = 0.02 + 13 * np.sin(angle + 0.3) + 0.1 * np.cos(2 * angle) + noise * rng.standard_normal(t.size)
+        estimates.append(measure.harmonic_fit(t, values, 60, harmonics=2))
+    means, deviations = np.array(estimates).T
+    assert_allclose(deviations.mean(), noise / np.sqrt(t.size), rtol=0.02)  # nearly orthogonal columns
+    assert_allclose(means.std(), deviations.mean(), rtol=3 / np.sqrt(400))  # 3 sigma of 200
+    assert abs(means.mean() - 0.02) < 3 * deviations.mean() / np.sqrt(200)
+
+
+def test_three_ways_to_the_same_drift(make_gyro):
+    from fogkit.optics import simulate
+
+    gyro = make_gyro()
+    windowed = measure.simulated_drift(gyro, OSCILLATION, 2.0).drift
+    record = simulate.run(gyro, OSCILLATION, 2.0)
+    settled = record.time > 0.1
+    fitted, _ = measure.harmonic_fit(record.time[settled], record.rate[settled], 60, harmonics=5)
+    difference = measure.nonlinear_error(gyro, OSCILLATION, 2.0)
+    settled = difference.time > 1 / 3  # 100 whole cycles are left, and 1250 / 3 periods in each twenty
+    assert_allclose(fitted, windowed, rtol=1e-5)
+    assert_allclose(difference.rate[settled].mean(), windowed, rtol=1e-4)
+
+
+def test_standard_deviation_of_a_noisy_measurement(make_gyro):
+    gyro = make_gyro(detector_noise=1e-3)
+    rng = np.random.default_rng(2)
+    runs = [measure.simulated_drift(gyro, OSCILLATION, 0.2, rng=rng) for _ in range(200)]
+    spread = np.std([run.drift for run in runs], ddof=1)
+    assert_allclose(spread, runs[0].standard_deviation, rtol=3 / np.sqrt(400))  # 3 sigma of a deviation from 200
+
+
+def test_stream_uses_memory_that_does_not_grow(make_gyro, monkeypatch):
+    from fogkit.optics import simulate
+
+    sizes = []
+    original = simulate._kernels.period_means
+    monkeypatch.setattr(simulate._kernels, "period_means", lambda *a: (sizes.append(a[0].size), original(*a))[1])
+    measured = measure.simulated_drift(make_gyro(), OSCILLATION, 10.0)
+    assert measured.samples == 2_000_000
+    assert max(sizes) <= simulate.SAMPLES_PER_BLOCK
+
+
+def test_too_short_a_record_is_refused(make_gyro):
+    with pytest.raises(ValueError, match=r"`duration` must be at least 10 cycles"):
+        measure.simulated_drift(make_gyro(), OSCILLATION, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("name", "arguments"),
+    [
+        ("harmonics", (np.arange(9.0), np.zeros(9), 1.0, 0)),
+        ("time", ([0.0, 1.0], [0.0, 1.0], 1.0, 1)),
+        ("values", (np.arange(9.0), np.zeros(8), 1.0, 1)),
+        ("frequency", (np.arange(9.0), np.zeros(9), 0.0, 1)),
+    ],
+)
+def test_impossible_fits_are_refused(name, arguments):
+    with pytest.raises(ValueError, match=f"`{name}`"):
+        measure.harmonic_fit(*arguments)
