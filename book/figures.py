@@ -21,9 +21,9 @@ def figures(notebook: Path) -> dict[str, dict]:
         images = [o["data"] for o in cell.get("outputs", []) if "image/png" in o.get("data", {})]
         label = cell["metadata"].get("mystnb", {}).get("figure", {}).get("name")
         if images and not label:
-            raise ValueError(f"{notebook.stem}: a cell draws a figure that has no label (`mystnb: figure: name: fig-...`)")
+            raise ValueError(f"{notebook.stem}: a figure has no label (cell metadata `mystnb: figure: name: fig-...`)")
         if label and len(images) != 1:
-            raise ValueError(f"{notebook.stem}: the cell of `{label}` must draw exactly one figure, it draws {len(images)}")
+            raise ValueError(f"{notebook.stem}: the cell of `{label}` must draw one figure, it draws {len(images)}")
         if label:
             found[label] = images[0]
     return found

@@ -1,4 +1,4 @@
-"""A headless Chromium without a network, driven through its DevTools protocol: JSON messages, ended by NUL, through two pipes."""
+"""A headless Chromium without a network, driven by its DevTools protocol: JSON messages, ended by NUL, in two pipes."""
 
 import json
 import os
@@ -11,10 +11,11 @@ from pathlib import Path
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 
-FLAGS = """--headless --no-sandbox --disable-gpu --disable-dev-shm-usage --disable-background-networking --disable-component-update
-    --disable-sync --no-first-run --no-default-browser-check --hide-scrollbars --remote-debugging-pipe"""
+FLAGS = """--headless --no-sandbox --disable-gpu --disable-dev-shm-usage --disable-background-networking
+    --disable-component-update --disable-sync --no-first-run --no-default-browser-check --hide-scrollbars
+    --remote-debugging-pipe"""
 
-# Chromium reads commands from file descriptor 3 and writes answers and events to 4: our ends of these are its stdin and stdout.
+# Chromium reads commands from file descriptor 3 and writes answers and events to 4: our ends are its stdin and stdout.
 LAUNCH = 'exec "$0" "$@" 3<&0 4>&1 0</dev/null 1>&2'
 
 
@@ -63,7 +64,8 @@ class Browser:
         for event in self.events:
             method, params = event["method"], event["params"]
             if method == "Runtime.consoleAPICalled":
-                said.append(f"console.{params['type']}: {[a.get('value', a.get('description')) for a in params['args']]}")
+                words = [argument.get("value", argument.get("description")) for argument in params["args"]]
+                said.append(f"console.{params['type']}: {words}")
             elif method == "Runtime.exceptionThrown":
                 said.append(f"exception: {params['exceptionDetails']}")
             elif method == "Log.entryAdded":

@@ -1,6 +1,6 @@
 """The built book as a reader meets it: its files, and its pages in a browser without a network, light and dark.
 
-Build first (`make book`), then `make pages`. Nothing here builds anything: what is missing is named as the reason of a skip.
+Build first (`make book`), then `make pages`. Nothing here builds anything: what is missing is the reason of a skip.
 """
 
 import json
@@ -39,7 +39,7 @@ NOT_LOADED = {"index", "search", "next", "prev", "canonical"}
 SCHEME = re.compile(r"[a-z][a-z0-9+.-]*:", re.IGNORECASE)
 ELSEWHERE = re.compile(r"([a-z][a-z0-9+.-]*:)?//", re.IGNORECASE)
 LEFT_MARKUP = re.compile(
-    r"\{(?:glue|eq|ref|numref|cite|doc|math|func|class|mod)\b[^}]*\}|\$\$|\$[^$\s][^$]*\$|\\[(\[]|:::|```|\[\d+\]_|None of the"
+    r"\{(?:glue|eq|ref|numref|cite|doc|math|func|class|mod)\b[^}]*\}|\$\$|\$[^$\s][^$]*\$|\\[(\[]|:::|```|\[\d+\]_"
 )
 
 
@@ -183,7 +183,7 @@ FAINT_TEXT = """(() => {
     if (e.closest(".headerlink, mjx-assistive-mml, button, style, script, svg")) continue;
     const [a, b] = [luminance(rgba(getComputedStyle(e).color)), luminance(behind(e))];
     const ratio = (Math.max(a, b) + 0.05) / (Math.min(a, b) + 0.05);
-    if (ratio < 3) faint.push(`${e.tagName}.${e.className} (${ratio.toFixed(2)}): ${e.textContent.trim().slice(0, 40)}`);
+    if (ratio < 3) faint.push(`${e.tagName}.${e.className}, ${ratio.toFixed(2)}: ${e.textContent.trim().slice(0, 40)}`);
   }
   return faint;
 })()"""

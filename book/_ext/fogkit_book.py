@@ -1,8 +1,9 @@
-"""What this book needs of Sphinx beyond `_config.yml`: executed cells that are never stale, figures in two formats, executed
-notebooks to download, and docstrings that cite the reference list of their module.
+"""What this book needs of Sphinx beyond `_config.yml`: executed cells that are never stale, figures in two formats,
+executed notebooks to download, and docstrings that cite the reference list of their module.
 
-The execution cache of MyST-NB is keyed on the cells alone: after an edit in `src` or `data` nothing would be run again, and the
-old numbers would stay on the pages. The cache therefore lives in a folder named after a hash of all that a cell can depend on.
+The execution cache of MyST-NB is keyed on the cells alone: after an edit in `src` or `data` nothing would be run again,
+and the old numbers would stay on the pages. The cache therefore lives in a folder named after a hash of all that a cell
+can depend on.
 """
 
 import hashlib
@@ -87,9 +88,9 @@ def offer_notebook(app, pagename, templatename, context, doctree) -> None:
 def mend_references(app, what, name, obj, options, lines) -> None:
     """Let ``[1]_`` in the docstring of a function mean entry 1 of its module's one list of references.
 
-    numpydoc gives each list labels of its own, made from the name of the object that it belongs to; what is still a bare number
-    after it has passed is not in a list of the docstring's own. An entry may begin with initials ("P. D. Groves"), which are
-    escaped here, since they would open an enumerated list.
+    numpydoc gives each list labels of its own, made from the name of the object that it belongs to; what is still a
+    bare number after it has passed is not in a list of the docstring's own. An entry may begin with initials ("P. D.
+    Groves"), which are escaped here, since they would open an enumerated list.
     """
     module = name
     while module not in sys.modules:

@@ -1,1 +1,43 @@
-"""fogkit."""
+"""Calibration of fibre-optic gyroscopes (FOGs): their physics, their error laws, and the papers behind them.
+
+Conventions, without exception
+------------------------------
+Units
+    SI and radians, latitude and heading included. A name carries a unit only where it is not SI (``heading_deg``), at
+    the edges. Convert by multiplying: ``0.01 * DEG_PER_HOUR`` (`fogkit.units`).
+Frames
+    i (inertial), e (Earth), n (navigation: east, north, up), b (body, right-handed: x right, y forward, z up).
+    ``C_b_n`` takes body components to navigation ones, ``v_n = C_b_n @ v_b``; ``omega_ie_n`` is the rate of e against
+    i in axes of n. Heading is clockwise from north.
+Arrays
+    Time first: ``(n,)``, ``(n, 3)``, ``(n, 3, 3)``; functions broadcast over leading axes.
+Tables
+    pandas, index ``time`` in s. Readings of an inertial measurement unit have the columns ``gyro_x, gyro_y, gyro_z``,
+    rad/s, ``accel_x, accel_y, accel_z``, m/s^2, and ``temperature_*``, degC.
+Spectra
+    A white rate noise of angle random walk N, rad/sqrt(s), has the two-sided power spectral density ``N**2``.
+Randomness
+    A ``numpy.random.Generator`` that is passed in.
+Errors
+    Bad input is a ``ValueError`` or ``TypeError`` that names the argument, what was needed and what came; a legal but
+    doubtful one is a ``UserWarning`` with the number.
+
+Modules, each importing only from those above it
+------------------------------------------------
+======================  ==============================================================================================
+`fogkit.constants`      speed of light, WGS 84
+`fogkit.units`          conversion factors
+`fogkit.checks`         checks of arguments, and the wording of errors
+`fogkit.rotation`       direction-cosine matrices, angles, small-angle errors
+`fogkit.earth`          radii, normal gravity, Earth and transport rate
+`fogkit.optics`         one gyro: coil, interferometer, digital loop, simulator, drift under vibration and its remedies
+`fogkit.campaign`       many runs of anything, on any executor
+`fogkit.claims`         the ledger of claims: what the papers state, and what became of it
+`fogkit.reproduction`   the papers: instruments, derivations, figures, values of the ledger
+`fogkit.plotting`       figures
+======================  ==============================================================================================
+
+Nothing is imported with the package itself: ``import fogkit`` is light, and each module loads what it needs.
+"""
+
+__version__ = "0.1.0"

@@ -56,6 +56,9 @@ def map_cases(
 
 
 def _bar(items: list, progress: bool | str) -> Iterable:
-    from tqdm.auto import tqdm
+    """The items behind a progress bar, if one is wanted."""
+    if not progress:
+        return items
+    from tqdm import tqdm
 
-    return tqdm(items, desc=progress if isinstance(progress, str) else None, disable=not progress)
+    return tqdm(items, desc=progress if isinstance(progress, str) else None)

@@ -191,7 +191,8 @@ def heading_pitch_roll_from_dcm(C_b_n: ArrayLike) -> tuple[Array, Array, Array]:
     """
     C_b_n = checks.rotation_matrix("C_b_n", C_b_n)
     angles = Rotation.from_matrix(C_b_n.reshape(-1, 3, 3)).as_euler("ZXY").reshape(C_b_n.shape[:-1])
-    return 0.0 - angles[..., 0], angles[..., 1], angles[..., 2]
+    heading, pitch, roll = np.moveaxis(angles * [-1.0, 1.0, 1.0], -1, 0)
+    return heading, pitch, roll
 
 
 def orthonormalise(C: ArrayLike) -> Array:

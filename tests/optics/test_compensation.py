@@ -20,7 +20,14 @@ def drift_after_loop(gyro, oscillation=OSCILLATION, duration=1.0, **options):
 )
 @pytest.mark.parametrize(
     "remedy",
-    [{"acceleration": "central"}, {"acceleration": "ahead"}, InsideLoop(), InsideLoop(lag=2), InsideLoop(law="full")],
+    [
+        {"acceleration": "central"},
+        {"acceleration": "ahead"},
+        {"law": "full"},
+        InsideLoop(),
+        InsideLoop(lag=2),
+        InsideLoop(law="full"),
+    ],
 )
 def test_every_remedy_takes_nearly_all_of_the_drift(make_gyro, loop, remedy):
     gyro = make_gyro(**loop)
@@ -29,9 +36,9 @@ def test_every_remedy_takes_nearly_all_of_the_drift(make_gyro, loop, remedy):
         left = measure.simulated_drift(gyro, OSCILLATION, 1.0, compensation=remedy).drift
     else:
         left = drift_after_loop(gyro, **remedy)
-    # an acceleration that is n regulation periods old is turned by 2 pi 60 Hz n dt_r, 0.12 rad for the slowest loop here;
-    # a second integrator makes the residual small but turns it by a right angle, so that this counts at first order there:
-    # measured against the same loop without it
+    # an acceleration that is n regulation periods old is turned by 2 pi 60 Hz n dt_r, 0.12 rad for the slowest loop;
+    # a second integrator makes the residual small but turns it by a right angle, so that this counts at first order
+    # there: measured against the same loop without it
     scale = abs(drift.vibration_drift(make_gyro(**loop | {"second_gain": 0.0}), OSCILLATION.acceleration, 60.0))
     assert abs(left) < 0.04 * scale
     assert abs(left) < 0.2 * abs(without)
@@ -46,6 +53,15 @@ def test_the_full_law_makes_the_loop_linear_at_extreme_accelerations(make_gyro, 
         for remedy in (InsideLoop(), InsideLoop(law="full"))
     )
     assert abs(full) < 0.001 * abs(quadratic)
+
+
+@pytest.mark.parametrize("acceleration", [5_000, 50_000, 200_000])
+def test_the_full_law_after_the_loop_leaves_the_same_share_at_every_amplitude(make_gyro, acceleration):
+    # what is left is the error of the central difference, (2 pi 60 Hz dt_r)^2 / 6 of the acceleration at 60 Hz, 2e-4
+    oscillation = AngularOscillation(acceleration=acceleration * DEG, frequency=60)
+    gyro = make_gyro()
+    left = drift_after_loop(gyro, oscillation, law="full")
+    assert abs(left) < 3e-4 * abs(measure.simulated_drift(gyro, oscillation, 1.0).drift)
 
 
 def test_the_reading_after_the_loop_has_no_lag(make_gyro):
@@ -118,7 +134,7 @@ def test_options_of_after_loop_are_checked(make_gyro):
         compensation.after_loop(record, acceleration="behind")
     with pytest.raises(ValueError, match="`depth`"):
         compensation.after_loop(record, depth=0.0)
-    with pytest.raises(ValueError, match="`record`.*at least 4"):
+    with pytest.raises(ValueError, match=r"`record`.*at least 4"):
         compensation.after_loop(simulate.run(make_gyro(), np.zeros(48)))
     with pytest.raises(ValueError, match="`remedy`"):
         compensation.noise_bias(make_gyro(), "behind")

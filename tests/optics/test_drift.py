@@ -149,3 +149,13 @@ def test_impossible_densities_are_refused(make_gyro, name, frequency, density):
 def test_times_must_fit_the_half_periods(make_gyro):
     with pytest.raises(ValueError, match="`times`"):
         drift.drift_of_states(make_gyro(), 1.0, [1e-6, 2e-6])
+
+
+@pytest.mark.parametrize("acceleration", [50_000, 300_000])
+@pytest.mark.parametrize("depth", [3 * np.pi / 4, 7 * np.pi / 8])
+def test_a_mirrored_vibration_makes_no_drift_in_the_alternating_order_at_any_amplitude(make_gyro, acceleration, depth):
+    # by symmetry: reversed motion with reversed states is the same run half a cycle and one regulation period later
+    gyro = make_gyro(bias_order="alternating", depth=depth)
+    oscillation = AngularOscillation(acceleration=acceleration * DEG, frequency=60, phase=0.4)
+    measured = measure.simulated_drift(gyro, oscillation, 2.0)
+    assert abs(measured.drift) < 1e-10 * oscillation.rate_amplitude  # leakage of the window, 120 cycles: 4e-14

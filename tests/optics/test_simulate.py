@@ -14,8 +14,8 @@ BALANCED_RATE = 0.4  # rad/s: about half a radian of Sagnac phase
 def modulator_reading(gyro, rates):
     """Feedback of each regulation period from the voltages on the modulator and two interfering waves.
 
-    Nothing is reduced by 2 pi and no phase step is computed: the modulator holds a wrapped ramp plus a bias staircase, its
-    phase goes onto one wave now and onto the other a half-period later, and the light is the square of their sum.
+    Nothing is reduced by 2 pi and no phase step is computed: the modulator holds a wrapped ramp plus a bias staircase,
+    its phase goes onto one wave now and onto the other a half-period later, and the light is the square of their sum.
     """
     loop = gyro.loop
     pattern = loop.bias_pattern.ravel()
@@ -48,11 +48,11 @@ def test_kernel_is_what_waves_and_modulator_do(make_gyro, name, v_pi_error):
     t = np.arange(300 * k) / (300 * k)
     rates = 1.2 * t * np.cos(12 * t)
     record = simulate.run(gyro, rates, initial_rate=0.0)
-    # a modulator phase of some hundred rad has lost two digits; unequal resets at a rounding's distance do not occur here
+    # a modulator phase of some hundred rad has lost two digits; no reset here hangs on rounding
     assert_allclose(record.rate, modulator_reading(gyro, rates), atol=1e-11)
 
 
-@settings(deadline=None, max_examples=30)
+@settings(max_examples=30)
 @given(acceleration=st.floats(-900, 900), gain=st.floats(0.2, 1.5))
 def test_lag_under_constant_acceleration_is_the_acceleration_error_constant(acceleration, gain):
     loop = Loop(depth=2.0, half_period=5e-6, half_periods=16, gain=gain)
@@ -212,7 +212,7 @@ def test_impossible_noise_is_refused_by_name(make_gyro, name, value):
 
 
 def test_a_gyro_is_made_of_a_coil_and_a_loop():
-    with pytest.raises(TypeError, match="`loop`.*Loop"):
+    with pytest.raises(TypeError, match=r"`loop`.*Loop"):
         ClosedLoopGyro(coil=Coil(length=1000, diameter=0.1), loop={"gain": 1})
 
 

@@ -19,6 +19,7 @@ TWO_PI = 2.0 * math.pi
 C2, C4, C6, C8, C10, C12 = (-1.0 / 2, 1.0 / 24, -1.0 / 720, 1.0 / 40320, -1.0 / 3628800, 1.0 / 479001600)
 S3, S5, S7, S9, S11 = (-1.0 / 6, 1.0 / 120, -1.0 / 5040, 1.0 / 362880, -1.0 / 39916800)
 UNCOMPENSATED, QUADRATIC, FULL = 0, 1, 2
+LAWS = {"quadratic": QUADRATIC, "full": FULL}
 
 
 @njit(cache=True, nogil=True)
@@ -176,3 +177,10 @@ def period_means(values, k, out):
         for m in range(k):
             total += values[i * k + m]
         out[i] = total / k
+
+
+@njit(cache=True, nogil=True)
+def linearise(phases, increments, order_signs, nominal_depth, law, k, out):
+    """Apply `_linearised` to every regulation period; all arrays of shape (n,), `order_signs` too."""
+    for i in range(out.size):
+        out[i] = _linearised(phases[i], increments[i], order_signs[i], nominal_depth, law, k)

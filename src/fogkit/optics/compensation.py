@@ -60,51 +60,60 @@ class InsideLoop:
             checks.in_open_interval("depth", self.depth, 0.0, np.pi, "rad")
 
 
-def after_loop(record: LoopRecord, *, depth: float | None = None, acceleration: str = "central") -> LoopRecord:
+def after_loop(
+    record: LoopRecord, *, law: str = "quadratic", acceleration: str = "central", depth: float | None = None
+) -> LoopRecord:
     """Correct recorded signals for the drift under angular acceleration.
 
-    The reading becomes feedback plus residual, which follows the rate without the loop's lag, less the product of
-    acceleration and residual.
+    The reading becomes feedback plus corrected residual, which follows the rate without the loop's lag.
 
     Parameters
     ----------
     record : LoopRecord
         Signals of a simulated or real loop, of at least 4 regulation periods.
-    depth : float, optional
-        Modulation depth that the correction believes, rad, in (0, pi); None is the loop's nominal one.
+    law : {"quadratic", "full"}, optional
+        As in `InsideLoop`.
     acceleration : {"central", "ahead"}, optional
         Where the acceleration comes from: the estimates one period before and after (``central``, no lag), or one and
         two periods later (``ahead``, whose noise is independent of the residual's, so that noise makes no bias).
+    depth : float, optional
+        Modulation depth that the correction believes, rad, in (0, pi); None is the loop's nominal one.
 
     Returns
     -------
     LoopRecord
-        Same record with corrected `rate`, without the periods at the ends for which there is no difference.
+        Same record with corrected `rate` and `residual`, without the periods at the ends for which there is no
+        difference. NaN where the residual is outside what the full law can invert.
 
     Raises
     ------
     ValueError
         If the record is too short or an option is out of its range.
     """
+    from fogkit.optics import _kernels  # here, since `numba` is slow to load
+
+    law = _kernels.LAWS[checks.option("law", law, LAWS)]
     early, late, factor = ACCELERATIONS[checks.option("acceleration", acceleration, ACCELERATIONS)]
-    loop = record.gyro.loop
+    loop, coil = record.gyro.loop, record.gyro.coil
     depth = loop.depth if depth is None else checks.in_open_interval("depth", depth, 0.0, np.pi, "rad")
     n = record.rate.size
     if n < 4:
         raise ValueError(f"`record` must hold at least 4 regulation periods, got {n}")
     kept = np.arange(max(0, -early), n - late)
-    estimate = record.rate + record.residual
-    change = factor * (estimate[kept + late] - estimate[kept + early])  # per regulation period
-    signs = loop.order_signs
-    periods = np.round(record.time[kept] / loop.regulation_period - 0.5).astype(int)
-    sign = signs[periods % signs.size]
-    half_step = sign * record.gyro.coil.phase(change) / (2 * loop.half_periods)
-    correction = half_step / np.tan(depth) * record.residual[kept]
+    periods = np.round(record.time / loop.regulation_period - 0.5).astype(int)
+    signs = loop.order_signs[periods % loop.order_signs.size]
+    feedback, phases = coil.phase(record.rate), coil.phase(record.residual)
+    corrected = phases.copy()
+    for _ in range(2):  # the second time with the acceleration of the corrected estimates
+        estimate = feedback + corrected
+        increments = np.zeros(n)
+        increments[kept] = factor * (estimate[kept + late] - estimate[kept + early])
+        _kernels.linearise(phases, increments, signs, depth, law, loop.half_periods, corrected)
     return replace(
         record,
         time=record.time[kept],
-        rate=estimate[kept] - correction,
-        residual=record.residual[kept],
+        rate=coil.rate(feedback + corrected)[kept],
+        residual=coil.rate(corrected)[kept],
         true_rate=record.true_rate[kept],
     )
 

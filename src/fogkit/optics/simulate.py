@@ -267,7 +267,7 @@ def _kernel_parameters(gyro: ClosedLoopGyro, degree: int | None, compensation: I
         "step_scale": 1.0 + loop.v_pi_error,
         "taylor_minus": taylor[0],
         "taylor_plus": taylor[1],
-        "law": _kernels.UNCOMPENSATED if compensation is None else {"quadratic": 1, "full": 2}[inside.law],
+        "law": _kernels.UNCOMPENSATED if compensation is None else _kernels.LAWS[inside.law],
         "lag": inside.lag,
         "compensation_depth": loop.depth if inside.depth is None else inside.depth,
         "lock_limit": np.inf if degree == 1 else LOCK_LIMIT,

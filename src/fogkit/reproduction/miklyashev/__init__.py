@@ -1,4 +1,4 @@
-"""A. V. Miklyashev, error of a fibre-optic gyroscope at angular oscillations (2019): instruments, derivation, simulation.
+"""A. V. Miklyashev (2019), error of a fibre-optic gyroscope at angular oscillations: instruments, proofs, simulation.
 
 `values` maps each row of the ledger to what computes it.
 """

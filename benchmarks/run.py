@@ -1,0 +1,139 @@
+"""The benchmarks, each beside a peer or a bound in the same run: ``make bench``.
+
+Every figure is the median of several runs after a warm-up. Nothing here is asserted: a machine may be slow.
+"""
+
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import psutil
+
+from fogkit.campaign import map_cases
+from fogkit.optics import ClosedLoopGyro, simulate
+from fogkit.optics.measure import simulated_drift
+from fogkit.optics.motion import AngularOscillation
+from fogkit.reproduction.miklyashev import FIGURE_1_ACCELERATION, SIMULATED, SIMULATED_ACCELERATIONS
+
+OSCILLATION = AngularOscillation(acceleration=FIGURE_1_ACCELERATION, frequency=60.0)
+
+
+def median_time(function: Callable[[], object], runs: int = 5) -> float:
+    """Median wall time of a call, s, after one that is not counted."""
+    function()
+    times = []
+    for _ in range(runs):
+        start = time.perf_counter()
+        function()
+        times.append(time.perf_counter() - start)
+    return float(np.median(times))
+
+
+def show(name: str, value: str, bound: str) -> None:
+    """One line of the report."""
+    print(f"{name:<66} {value:>16}   {bound}", flush=True)
+
+
+def plain_python(gyro: ClosedLoopGyro, rates: list[float]) -> list[float]:
+    """The exact loop as a plain loop over half-periods: the peer of the compiled one."""
+    from math import cos, sin
+
+    loop, to_phase = gyro.loop, gyro.coil.sagnac_scale_factor
+    pattern = loop.bias_pattern[0].tolist()
+    feedback, readings = to_phase * rates[0], []
+    for start in range(0, len(rates), loop.half_periods):
+        demodulated = 0.0
+        for m, bias in enumerate(pattern):
+            residual = to_phase * rates[start + m] - feedback
+            demodulated -= bias * 0.5 * (1 + cos(residual + bias * loop.depth))
+        readings.append(feedback / to_phase)
+        feedback += loop.gain * demodulated / (0.5 * sin(loop.depth) * loop.half_periods)
+    return readings
+
+
+def samples_per_second() -> None:
+    """Time per half-period, in memory, against the plain loop and with noise."""
+    count = 2_000_000
+    duration = count * SIMULATED.loop.half_period
+    rates = OSCILLATION.sample(0, count, SIMULATED.loop.half_period)
+    compiled = median_time(lambda: simulate.run(SIMULATED, OSCILLATION, duration)) / count
+    short = rates[:160_000].tolist()
+    plain = median_time(lambda: plain_python(SIMULATED, short), runs=3) / len(short)
+    difference = np.abs(np.array(plain_python(SIMULATED, short)) - simulate.run(SIMULATED, rates[:160_000]).rate).max()
+    show("simulator, exact response, one thread, per half-period", f"{compiled * 1e9:.1f} ns", "bound 30 ns")
+    show("the same as a plain Python loop", f"{plain * 1e9:.0f} ns", f"{plain / compiled:.0f} times slower")
+    show("largest difference of the two readings", f"{difference:.0e} rad/s", "rounding")
+    linear = median_time(lambda: simulate.run(SIMULATED, OSCILLATION, duration, degree=1)) / count
+    show("linear response", f"{linear * 1e9:.1f} ns", "")
+    noisy = ClosedLoopGyro(coil=SIMULATED.coil, loop=SIMULATED.loop, detector_noise=1e-4)
+    rng = np.random.default_rng(1)
+    with_noise = median_time(lambda: simulate.run(noisy, OSCILLATION, duration, rng=rng)) / count
+    show("exact response with detector noise", f"{with_noise * 1e9:.1f} ns", "")
+
+
+def three_minutes() -> None:
+    """The paper's run on the vibrator: 36 million half-periods, streamed; memory in a process of its own."""
+    elapsed = median_time(lambda: simulated_drift(SIMULATED, OSCILLATION, 180.0), runs=3)
+    show("3 minutes at 60 Hz, 36 million half-periods, streamed", f"{elapsed:.2f} s", "bound 1.5 s")
+    memory = int(
+        subprocess.run([sys.executable, __file__, "memory"], capture_output=True, text=True, check=True).stdout
+    )
+    show("peak memory of a process that does this and nothing else", f"{memory / 1e6:.0f} MB", "bound 300 MB")
+
+
+def peak_memory() -> int:
+    """Peak resident memory of this process, bytes."""
+    info = psutil.Process().memory_info()
+    if hasattr(info, "peak_wset"):  # Windows
+        return info.peak_wset
+    import resource
+
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+
+
+def sweep() -> None:
+    """A sweep of accelerations, on one thread and on all."""
+    cases = [
+        {"gyro": SIMULATED, "oscillation": AngularOscillation(acceleration=float(a), frequency=60.0), "duration": 20.0}
+        for a in SIMULATED_ACCELERATIONS
+    ]
+    elapsed = {}
+    for workers in (1, os.cpu_count() or 1):
+        with ThreadPoolExecutor(workers) as pool:
+            elapsed[workers] = median_time(lambda: map_cases(simulated_drift, cases, executor=pool), runs=3)
+    one, *rest = elapsed.values()
+    all_workers = rest[0] if rest else one
+    show(f"sweep of {len(cases)} accelerations, 20 s each, one thread", f"{one:.2f} s", "")
+    show(f"the same on {max(elapsed)} threads", f"{all_workers:.2f} s", f"{one / all_workers:.1f} times faster")
+
+
+def import_time() -> None:
+    """Importing the package, against starting Python."""
+
+    def start(code: str) -> float:
+        return median_time(lambda: subprocess.run([sys.executable, "-c", code], check=True), runs=5)
+
+    bare, package, optics = start("pass"), start("import fogkit"), start("import fogkit.optics.simulate")
+    show("import fogkit, beyond starting Python", f"{package - bare:.3f} s", "bound 0.3 s")
+    show("import fogkit.optics.simulate, beyond starting Python", f"{optics - bare:.2f} s", "")
+
+
+def main() -> None:
+    """Run all benchmarks."""
+    print(f"Python {sys.version.split()[0]}, {os.cpu_count()} processors\n")
+    samples_per_second()
+    three_minutes()
+    sweep()
+    import_time()
+
+
+if __name__ == "__main__":
+    if sys.argv[1:] == ["memory"]:
+        simulated_drift(SIMULATED, OSCILLATION, 180.0)
+        print(peak_memory())
+    else:
+        main()

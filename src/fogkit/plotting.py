@@ -1,0 +1,151 @@
+"""Figures: data in, axes out. Nothing is computed here that a figure does not need for its drawing.
+
+Every function takes axes or makes them, and returns them. `use_style` sets the look of the book's figures.
+"""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+import matplotlib.pyplot as plt
+import numpy as np
+
+from fogkit.optics import interferometer, simulate
+from fogkit.optics.gyro import ClosedLoopGyro
+from fogkit.optics.loop import Loop
+from fogkit.optics.motion import Ramp
+from fogkit.units import DEG_PER_SECOND, MICROSECOND
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+STYLE = {
+    "figure.figsize": (7.2, 4.2),
+    "figure.constrained_layout.use": True,
+    "font.size": 11,
+    "axes.grid": True,
+    "grid.alpha": 0.35,
+    "axes.axisbelow": True,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "lines.linewidth": 1.8,
+    "legend.frameon": False,
+    "savefig.dpi": 150,
+}
+
+
+def use_style() -> None:
+    """Give all figures that follow the look of the book."""
+    plt.rcParams.update(STYLE)
+
+
+def below(ax: "Axes", columns: int = 3, **options) -> None:
+    """Legend of an axes below it, where it hides no data.
+
+    Parameters
+    ----------
+    ax : matplotlib.axes.Axes
+        The axes, of a figure in constrained layout.
+    columns : int, optional
+        Entries side by side.
+    **options
+        Further options of ``Figure.legend``.
+    """
+    handles, labels = ax.get_legend_handles_labels()
+    ax.figure.legend(handles, labels, loc="outside lower center", ncols=columns, **options)
+
+
+def working_points(depth: float, ax: "Axes | None" = None) -> "Axes":
+    """Power of the interferometer against phase, with the two bias states and the slope in each.
+
+    Parameters
+    ----------
+    depth : float
+        Modulation depth, rad.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes.
+    """
+    ax = plt.subplots()[1] if ax is None else ax
+    phase = np.linspace(-1.25 * np.pi, 1.25 * np.pi, 400)
+    ax.plot(phase / np.pi, interferometer.power(phase), color="0.35", label="power of the interferometer")
+    near = np.linspace(-0.6, 0.6, 2)
+    for sign, name, color in ((-1, "bias −φ₀", "C0"), (1, "bias +φ₀", "C3")):
+        slope = interferometer.taylor_power(near, sign * depth, 1)
+        ax.plot((sign * depth + near) / np.pi, slope, color=color, lw=3, alpha=0.6, label=f"slope at {name}")
+        ax.plot(sign * depth / np.pi, interferometer.power(depth), "o", color=color, ms=8)
+    ax.set(xlabel="phase difference, units of π rad", ylabel="power / full power", ylim=(-0.05, 1.05))
+    below(ax)
+    return ax
+
+
+def bode(loops: Mapping[str, Loop]) -> "np.ndarray":
+    """Open and closed loop of several loops: gain of both, phase of the open loop, up to the Nyquist frequency.
+
+    Parameters
+    ----------
+    loops : mapping of Loop
+        Loops by label.
+
+    Returns
+    -------
+    ndarray of matplotlib.axes.Axes, shape (3,)
+        Open-loop gain, open-loop phase, closed-loop gain.
+    """
+    _, axes = plt.subplots(3, sharex=True, figsize=(7.2, 7.2))
+    for label, loop in loops.items():
+        frequency = np.geomspace(1e-3, 1, 400) * 0.5 / loop.regulation_period
+        opened, closed = loop.open_loop_response(frequency), loop.closed_loop_response(frequency)
+        axes[0].loglog(frequency, np.abs(opened), label=label)
+        axes[1].semilogx(frequency, np.rad2deg(np.unwrap(np.angle(opened))))
+        axes[2].loglog(frequency, np.abs(closed))
+    axes[0].axhline(1, color="0.3", lw=1, ls="--")
+    axes[1].axhline(-180, color="0.3", lw=1, ls="--")
+    axes[2].axhline(np.sqrt(0.5), color="0.3", lw=1, ls="--")
+    axes[0].set_ylabel("open-loop gain")
+    axes[1].set_ylabel("open-loop phase, deg")
+    axes[2].set(ylabel="closed-loop gain", xlabel="frequency, Hz")
+    below(axes[0], columns=2)
+    return axes
+
+
+def residual_within_periods(
+    gyro: ClosedLoopGyro, acceleration: float, periods: int = 4, ax: "Axes | None" = None
+) -> "Axes":
+    """Uncompensated rate under constant acceleration from a compensated start, half-period by half-period.
+
+    Parameters
+    ----------
+    gyro : ClosedLoopGyro
+        The gyro; its linear response is drawn.
+    acceleration : float
+        Angular acceleration, rad/s^2.
+    periods : int, optional
+        Regulation periods to draw.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes.
+    """
+    ax = plt.subplots()[1] if ax is None else ax
+    loop = gyro.loop
+    motion = Ramp(acceleration=acceleration)
+    record = simulate.run(gyro, motion, periods * loop.regulation_period, degree=1, initial_rate=0.0)
+    time = (np.arange(periods * loop.half_periods) + 0.5) * loop.half_period
+    rate = motion.sample(0, time.size, loop.half_period) - np.repeat(record.rate, loop.half_periods)
+    states = np.resize(loop.bias_pattern.ravel(), time.size)
+    ax.plot(time / MICROSECOND, rate / DEG_PER_SECOND, color="0.6", lw=1)
+    for state, name, color in ((-1, "bias −φ₀", "C0"), (1, "bias +φ₀", "C3")):
+        at = states == state
+        ax.plot(time[at] / MICROSECOND, rate[at] / DEG_PER_SECOND, "o", ms=4, color=color, label=name)
+    steady = acceleration * loop.regulation_period / loop.gain / DEG_PER_SECOND
+    ax.axhline(steady, color="0.3", lw=1, ls="--", label="ε Δt / gain, mean of the steady state")
+    ax.set(xlabel="time, µs", ylabel="uncompensated rate, deg/s")
+    below(ax)
+    return ax
