@@ -36,6 +36,7 @@ each_page = pytest.mark.parametrize("page", PAGES)
 LOADING = {"script", "img", "iframe", "source", "video", "audio", "embed"}
 NEVER_CLOSED = {"area", "base", "br", "col", "embed", "hr", "img", "input", "link", "meta", "source", "track", "wbr"}
 NOT_LOADED = {"index", "search", "next", "prev", "canonical"}
+MATHS = {"math", "text_html"}  # where MathJax looks for equations
 SCHEME = re.compile(r"[a-z][a-z0-9+.-]*:", re.IGNORECASE)
 ELSEWHERE = re.compile(r"([a-z][a-z0-9+.-]*:)?//", re.IGNORECASE)
 LEFT_MARKUP = re.compile(
@@ -61,12 +62,13 @@ class Page(HTMLParser):
         if tag == "link" and not NOT_LOADED & set(attrs.get("rel", "").split()):
             self.loads.append(attrs["href"])
         if tag not in NEVER_CLOSED:
-            source = tag in {"script", "style", "pre", "code"} or "math" in (attrs.get("class") or "").split()
+            source = tag in {"script", "style", "pre", "code"} or MATHS & set((attrs.get("class") or "").split())
             self._stack.append((tag, source, tag == "article"))
 
     def handle_endtag(self, tag):
-        while self._stack and self._stack.pop()[0] != tag:
-            pass
+        if any(tag == opened for opened, *_ in self._stack):  # a stray end tag closes nothing
+            while self._stack.pop()[0] != tag:
+                pass
 
     def handle_data(self, data):
         if any(article for *_, article in self._stack) and not any(source for _, source, _ in self._stack):
@@ -188,6 +190,13 @@ FAINT_TEXT = """(() => {
   return faint;
 })()"""
 
+# The text that a reader sees, without code.
+PROSE = """(() => {
+  const article = document.querySelector("article").cloneNode(true);
+  article.querySelectorAll("pre, code, script, style, mjx-container").forEach(e => e.remove());
+  return article.textContent;
+})()"""
+
 TOO_WIDE = """[...document.querySelectorAll("article *")]
   .filter(e => e.checkVisibility() && e.getBoundingClientRect().right > innerWidth + 1)
   .map(e => `${e.tagName}.${e.className}: ${e.textContent.trim().slice(0, 40)}`).slice(0, 5)"""
@@ -209,6 +218,7 @@ def test_page_in_browser(browser, page, scheme):
     assert browser.evaluate("document.documentElement.dataset.theme") == scheme
     drawn = browser.evaluate("[...document.querySelectorAll('.math')].map(e => !!e.querySelector('mjx-container'))")
     assert all(drawn), "an equation is shown as its source"
+    assert LEFT_MARKUP.findall(browser.evaluate(PROSE)) == []
     assert browser.evaluate("document.querySelectorAll('mjx-merror, [data-mjx-error]').length") == 0
     assert browser.evaluate("[...document.images].filter(i => !(i.complete && i.naturalWidth)).map(i => i.src)") == []
     assert browser.evaluate(FAINT_TEXT) == []
