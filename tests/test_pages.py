@@ -201,6 +201,9 @@ TOO_WIDE = """[...document.querySelectorAll("article *")]
   .filter(e => e.checkVisibility() && e.getBoundingClientRect().right > innerWidth + 1)
   .map(e => `${e.tagName}.${e.className}: ${e.textContent.trim().slice(0, 40)}`).slice(0, 5)"""
 
+WIDE_EQUATIONS = """[...document.querySelectorAll("article div.math mjx-container")]
+  .filter(e => e.scrollWidth > e.clientWidth + 1).map(e => e.parentElement.textContent.trim().slice(0, 40))"""
+
 # Each solution that hides, clicked: does it grow?
 SOLUTIONS_OPEN = """[...document.querySelectorAll(".admonition.dropdown")].map(box => {
   const height = box.offsetHeight; box.querySelector(".toggle-button").click(); return box.offsetHeight > height; })"""
@@ -223,6 +226,7 @@ def test_page_in_browser(browser, page, scheme):
     assert browser.evaluate("[...document.images].filter(i => !(i.complete && i.naturalWidth)).map(i => i.src)") == []
     assert browser.evaluate(FAINT_TEXT) == []
     assert fits(browser), browser.evaluate(TOO_WIDE)
+    assert browser.evaluate(WIDE_EQUATIONS) == []
     if scheme == "dark":  # figures are drawn in dark ink on white
         figures = "[...document.querySelectorAll('article .cell_output img')]"
         sheets = browser.evaluate(f"{figures}.map(image => getComputedStyle(image).backgroundColor)")
