@@ -2,9 +2,10 @@ import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
-from fogkit.optics import measure
+from fogkit.optics import measure, simulate
+from fogkit.optics.compensation import AfterLoop
 from fogkit.optics.motion import AngularOscillation
-from fogkit.units import DEG
+from fogkit.units import DEG, DEG_PER_SQRT_HOUR
 
 OSCILLATION = AngularOscillation(acceleration=5000 * DEG, frequency=60)
 
@@ -40,8 +41,6 @@ def test_fit_finds_the_mean_under_a_large_oscillation():
 
 
 def test_three_ways_to_the_same_drift(make_gyro):
-    from fogkit.optics import simulate
-
     gyro = make_gyro()
     windowed = measure.simulated_drift(gyro, OSCILLATION, 2.0).drift
     record = simulate.run(gyro, OSCILLATION, 2.0)
@@ -62,8 +61,6 @@ def test_standard_deviation_of_a_noisy_measurement(make_gyro):
 
 
 def test_stream_uses_memory_that_does_not_grow(make_gyro, monkeypatch):
-    from fogkit.optics import simulate
-
     sizes = []
     original = simulate._kernels.period_means
     monkeypatch.setattr(simulate._kernels, "period_means", lambda *a: (sizes.append(a[0].size), original(*a))[1])
@@ -89,3 +86,28 @@ def test_too_short_a_record_is_refused(make_gyro):
 def test_impossible_fits_are_refused(name, arguments):
     with pytest.raises(ValueError, match=f"`{name}`"):
         measure.harmonic_fit(*arguments)
+
+
+@pytest.mark.parametrize("gain", [0.3, 1.0])
+def test_lock_holds_below_its_limit_and_not_above(make_gyro, gain):
+    gyro = make_gyro(gain=gain)
+    limit = measure.largest_acceleration_in_lock(gyro, 60.0)
+    for factor, held in ((0.99, True), (1.02, False)):
+        oscillation = AngularOscillation(acceleration=factor * limit, frequency=60)
+        lost = simulate.run(gyro, oscillation, 5 / 60, on_lock_loss="nan").lock_lost_at
+        assert np.isnan(lost) == held
+    # the sine returns at most 1 rad: a loop cannot gain more than `gain` rad in a regulation period for long
+    assert limit > 0.9 * gain / (gyro.coil.sagnac_scale_factor * 80e-6)
+
+
+def test_noise_for_a_wanted_angle_random_walk(make_gyro):
+    gyro = make_gyro(shot_noise=1e-3).with_angle_random_walk(0.01 * DEG_PER_SQRT_HOUR)
+    assert_allclose(gyro.angle_random_walk, 0.01 * np.pi / 180 / 60, rtol=1e-12)
+    assert gyro.shot_noise == 0
+
+
+def test_runs_at_rest_are_checked(make_gyro):
+    with pytest.raises(ValueError, match="`runs`"):
+        measure.simulated_noise_bias(make_gyro(), AfterLoop(), np.random.default_rng(1), runs=1)
+    with pytest.raises(TypeError, match="`rng`"):
+        measure.simulated_noise_bias(make_gyro(), AfterLoop(), 1)

@@ -6,6 +6,7 @@ from loops import LOOPS
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fogkit.optics import ClosedLoopGyro, Coil, Loop, simulate
+from fogkit.optics.compensation import AfterLoop
 from fogkit.optics.motion import AngularOscillation, Ramp
 
 BALANCED_RATE = 0.4  # rad/s: about half a radian of Sagnac phase
@@ -196,6 +197,11 @@ def test_impossible_input_is_refused_by_name(make_gyro, argument, motion, option
     with pytest.raises(ValueError) as caught:
         simulate.run(make_gyro(), motion, **options)
     assert f"`{argument}`" in str(caught.value)
+
+
+def test_a_remedy_for_records_is_refused_inside_the_loop(make_gyro):
+    with pytest.raises(TypeError, match="`compensation` must be an InsideLoop"):
+        simulate.run(make_gyro(), [0.0] * 16, compensation=AfterLoop())
 
 
 def test_a_noisy_gyro_wants_a_generator(make_gyro):

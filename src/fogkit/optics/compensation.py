@@ -60,9 +60,38 @@ class InsideLoop:
             checks.in_open_interval("depth", self.depth, 0.0, np.pi, "rad")
 
 
-def after_loop(
-    record: LoopRecord, *, law: str = "quadratic", acceleration: str = "central", depth: float | None = None
-) -> LoopRecord:
+@dataclass(frozen=True, kw_only=True)
+class AfterLoop:
+    """Correction of recorded signals, by `after_loop`.
+
+    Parameters
+    ----------
+    law : {"quadratic", "full"}, optional
+        As in `InsideLoop`.
+    acceleration : {"central", "ahead"}, optional
+        Where the acceleration comes from: the estimates one period before and after (``central``, no lag), or one and
+        two periods later (``ahead``, whose noise is independent of the residual's, so that noise makes no bias).
+    depth : float, optional
+        As in `InsideLoop`.
+
+    Raises
+    ------
+    ValueError
+        If a parameter is out of its range.
+    """
+
+    law: str = "quadratic"
+    acceleration: str = "central"
+    depth: float | None = None
+
+    def __post_init__(self) -> None:
+        checks.option("law", self.law, LAWS)
+        checks.option("acceleration", self.acceleration, ACCELERATIONS)
+        if self.depth is not None:
+            checks.in_open_interval("depth", self.depth, 0.0, np.pi, "rad")
+
+
+def after_loop(record: LoopRecord, remedy: AfterLoop) -> LoopRecord:
     """Correct recorded signals for the drift under angular acceleration.
 
     The reading becomes feedback plus corrected residual, which follows the rate without the loop's lag.
@@ -71,13 +100,8 @@ def after_loop(
     ----------
     record : LoopRecord
         Signals of a simulated or real loop, of at least 4 regulation periods.
-    law : {"quadratic", "full"}, optional
-        As in `InsideLoop`.
-    acceleration : {"central", "ahead"}, optional
-        Where the acceleration comes from: the estimates one period before and after (``central``, no lag), or one and
-        two periods later (``ahead``, whose noise is independent of the residual's, so that noise makes no bias).
-    depth : float, optional
-        Modulation depth that the correction believes, rad, in (0, pi); None is the loop's nominal one.
+    remedy : AfterLoop
+        What is corrected, and how.
 
     Returns
     -------
@@ -88,14 +112,14 @@ def after_loop(
     Raises
     ------
     ValueError
-        If the record is too short or an option is out of its range.
+        If the record is too short.
     """
     from fogkit.optics import _kernels  # here, since `numba` is slow to load
 
-    law = _kernels.LAWS[checks.option("law", law, LAWS)]
-    early, late, factor = ACCELERATIONS[checks.option("acceleration", acceleration, ACCELERATIONS)]
+    law = _kernels.LAWS[remedy.law]
+    early, late, factor = ACCELERATIONS[remedy.acceleration]
     loop, coil = record.gyro.loop, record.gyro.coil
-    depth = loop.depth if depth is None else checks.in_open_interval("depth", depth, 0.0, np.pi, "rad")
+    depth = believed_depth(record.gyro, remedy)
     n = record.rate.size
     if n < 4:
         raise ValueError(f"`record` must hold at least 4 regulation periods, got {n}")
@@ -118,38 +142,37 @@ def after_loop(
     )
 
 
-def noise_bias(gyro: ClosedLoopGyro, remedy: InsideLoop | str) -> float:
+def believed_depth(gyro: ClosedLoopGyro, remedy: InsideLoop | AfterLoop) -> float:
+    """Modulation depth that a remedy of a gyro believes, rad."""
+    return gyro.loop.depth if remedy.depth is None else remedy.depth
+
+
+def noise_bias(gyro: ClosedLoopGyro, remedy: InsideLoop | AfterLoop) -> float:
     """Shift of the mean reading that detector noise causes through a compensation, with the case at rest.
 
     Parameters
     ----------
     gyro : ClosedLoopGyro
         The gyro with its noise levels.
-    remedy : InsideLoop or {"central", "ahead"}
-        The correction inside the loop, or the `acceleration` of `after_loop`.
+    remedy : InsideLoop or AfterLoop
+        The correction.
 
     Returns
     -------
     float
-        Shift, rad/s: minus ``cot(depth) / (2 k)`` times the covariance of the noise in acceleration and residual. With
-        gain 1 that covariance is +2, -1 and 0 times the noise variance for `lag` 0, 1 and 2, and +1/2 for ``central``.
-
-    Raises
-    ------
-    ValueError
-        If `remedy` is no option of `after_loop`.
+        Shift, rad/s, to second degree in the noise: minus ``cot(depth) / (2 k)`` times the covariance of the noise in
+        acceleration and residual. With gain 1 that covariance is +2, -1 and 0 times the noise variance for a `lag` of
+        0, 1 and 2, and +1/2 and 0 for ``central`` and ``ahead``.
     """
     loop = gyro.loop
     residual, increment = _noise_responses(gyro)
     if isinstance(remedy, InsideLoop):
         covariance = residual[remedy.lag :] @ increment[: residual.size - remedy.lag]
-        depth = loop.depth if remedy.depth is None else remedy.depth
     else:
-        early, late, factor = ACCELERATIONS[checks.option("remedy", remedy, ACCELERATIONS)]
+        early, late, factor = ACCELERATIONS[remedy.acceleration]
         # the estimate carries the noise of its own period only; the residual that of its past
         covariance = factor * sum(sign * residual[-at] for sign, at in ((1, late), (-1, early)) if at <= 0)
-        depth = loop.depth
-    scale = loop.order_signs.mean() / np.tan(depth) / (2 * loop.half_periods)
+    scale = loop.order_signs.mean() / np.tan(believed_depth(gyro, remedy)) / (2 * loop.half_periods)
     return float(-scale * covariance * gyro.residual_noise**2 / gyro.coil.sagnac_scale_factor)
 
 

@@ -1,6 +1,6 @@
 """One closed-loop gyro: coil, loop and detector noise in one record."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -51,6 +51,12 @@ class ClosedLoopGyro:
     def is_noisy(self) -> bool:
         """Whether any noise level is above zero."""
         return max(self.detector_noise, self.shot_noise, self.intensity_noise) > 0
+
+    def with_angle_random_walk(self, angle_random_walk: float) -> "ClosedLoopGyro":
+        """Same gyro with detector noise alone, as strong as makes an `angle_random_walk`, rad/sqrt(s)."""
+        target = checks.non_negative("angle_random_walk", angle_random_walk, "rad/sqrt(s)")
+        unit = replace(self, detector_noise=1.0, shot_noise=0.0, intensity_noise=0.0)
+        return replace(unit, detector_noise=target / unit.angle_random_walk)
 
     @property
     def residual_noise(self) -> float:

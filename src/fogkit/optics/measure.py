@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fogkit import checks
+from fogkit.optics.compensation import AfterLoop, InsideLoop, after_loop
 from fogkit.optics.gyro import ClosedLoopGyro
-from fogkit.optics.motion import AngularOscillation, Motion
+from fogkit.optics.motion import AngularOscillation, Motion, Ramp
 from fogkit.optics.simulate import LoopRecord, run, stream
 
 WINDOW_POWER = 6
@@ -119,7 +120,7 @@ def nonlinear_error(
     LoopRecord
         Record whose `rate` and `residual` are the differences: neither the oscillation nor the lag is left in them.
     """
-    silent = replace(gyro, detector_noise=0.0, shot_noise=0.0, intensity_noise=0.0)
+    silent = _silent(gyro)
     full = run(silent, motion, duration, degree=degree, **options)
     options.pop("compensation", None)
     linear = run(silent, motion, duration, degree=1, **options)
@@ -130,6 +131,8 @@ def simulated_drift(
     gyro: ClosedLoopGyro,
     oscillation: AngularOscillation,
     duration: float | None = None,
+    *,
+    compensation: InsideLoop | AfterLoop | None = None,
     **options,
 ) -> DriftMeasurement:
     """Mean reading of a simulated gyro on a vibrator, streamed.
@@ -143,8 +146,10 @@ def simulated_drift(
     duration : float, optional
         Length of the record, s, at least 10 cycles; by default 60 cycles or 4000 regulation periods, whichever is
         longer.
+    compensation : InsideLoop or AfterLoop, optional
+        Remedy against the drift. `AfterLoop` needs the record as a whole, in memory.
     **options
-        As in `simulate.stream`: degree, rng, compensation, on_lock_loss, ...
+        As in `simulate.stream`: degree, rng, on_lock_loss, ...
 
     Returns
     -------
@@ -168,7 +173,12 @@ def simulated_drift(
     periods = int(np.floor(duration / period * (1 + 1e-12)))
     total = weight = squares = 0.0
     done = 0
-    for block in stream(gyro, oscillation, periods * period, **options):
+    if isinstance(compensation, AfterLoop):
+        record = after_loop(run(gyro, oscillation, periods * period, **options), compensation)
+        blocks, periods = [record], record.rate.size
+    else:
+        blocks = stream(gyro, oscillation, periods * period, compensation=compensation, **options)
+    for block in blocks:
         weights = _weights(done, block.rate.size, periods)
         total += weights @ block.rate
         weight += weights.sum()
@@ -181,6 +191,89 @@ def simulated_drift(
         duration=periods * period,
         samples=periods * gyro.loop.half_periods,
     )
+
+
+def largest_acceleration_in_lock(gyro: ClosedLoopGyro, frequency: float, *, cycles: int = 5) -> float:
+    """Amplitude of angular acceleration up to which a gyro keeps its fringe under angular oscillation.
+
+    Parameters
+    ----------
+    gyro : ClosedLoopGyro
+        The gyro; its noise is left out.
+    frequency : float
+        Frequency of the oscillation, Hz.
+    cycles : int, optional
+        Cycles that have to be survived.
+
+    Returns
+    -------
+    float
+        Amplitude, rad/s^2, found by bisection of its logarithm to 1 %.
+    """
+    silent = _silent(gyro)
+    # between a residual of 1e-3 rad in the linear loop and one that no loop holds
+    unit = 1 / (gyro.coil.sagnac_scale_factor * gyro.loop.regulation_period)
+    low, high = 1e-3 * gyro.loop.gain * unit, 1e4 * unit
+    while high / low > 1.01:
+        middle = np.sqrt(low * high)
+        oscillation = AngularOscillation(acceleration=middle, frequency=frequency)
+        lost = run(silent, oscillation, cycles / frequency, on_lock_loss="nan").lock_lost_at
+        low, high = (middle, high) if np.isnan(lost) else (low, middle)
+    return float(low)
+
+
+def simulated_noise_bias(
+    gyro: ClosedLoopGyro,
+    remedy: InsideLoop | AfterLoop,
+    rng: np.random.Generator,
+    *,
+    runs: int = 16,
+    duration: float = 1.0,
+) -> tuple[float, float]:
+    """What a remedy adds to the mean reading of a noisy gyro at rest, from pairs of runs with the same noise.
+
+    Parameters
+    ----------
+    gyro : ClosedLoopGyro
+        The gyro with its noise levels.
+    remedy : InsideLoop or AfterLoop
+        The correction.
+    rng : numpy.random.Generator
+        Source of the noise; each pair of runs has a generator spawned from it.
+    runs : int, optional
+        Pairs of runs, at least 2.
+    duration : float, optional
+        Length of a run, s.
+
+    Returns
+    -------
+    bias, standard_deviation : float
+        Mean over the runs and its standard deviation from their scatter, rad/s.
+
+    Raises
+    ------
+    ValueError
+        If `runs` is below 2.
+    TypeError
+        If `rng` is not a generator.
+    """
+    rest = Ramp(acceleration=0.0)
+    shifts = []
+    for source in checks.generator("rng", rng).spawn(checks.integer("runs", runs, minimum=2)):
+        state = source.bit_generator.state
+        plain = run(gyro, rest, duration, rng=source)
+        if isinstance(remedy, InsideLoop):
+            source.bit_generator.state = state
+            shifts.append(np.mean(run(gyro, rest, duration, rng=source, compensation=remedy).rate - plain.rate))
+        else:  # against feedback plus residual, which is the reading that the remedy corrects
+            corrected = after_loop(plain, remedy)
+            kept = np.isin(plain.time, corrected.time)
+            shifts.append(np.mean(corrected.rate - (plain.rate + plain.residual)[kept]))
+    return float(np.mean(shifts)), float(np.std(shifts, ddof=1) / np.sqrt(len(shifts)))
+
+
+def _silent(gyro: ClosedLoopGyro) -> ClosedLoopGyro:
+    return replace(gyro, detector_noise=0.0, shot_noise=0.0, intensity_noise=0.0)
 
 
 def _weights(first: int, count: int, total: int) -> NDArray[np.float64]:

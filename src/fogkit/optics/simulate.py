@@ -166,7 +166,7 @@ def stream(
     ValueError
         If `motion` is not finite or not a whole number of regulation periods, or `duration` is shorter than one.
     TypeError
-        If the gyro is noisy and `rng` is not a generator.
+        If the gyro is noisy and `rng` is not a generator, or `compensation` is not an InsideLoop.
     FringeLockError
         If fringe lock is lost and `on_lock_loss` is ``"raise"``.
     """
@@ -255,6 +255,11 @@ def _kernel_parameters(gyro: ClosedLoopGyro, degree: int | None, compensation: I
         degree = checks.integer("degree", degree, minimum=1)
         taylor = tuple(taylor_coefficients(sign * loop.actual_depth, degree) for sign in (-1, 1))
     inside = InsideLoop() if compensation is None else compensation
+    if not isinstance(inside, InsideLoop):
+        raise TypeError(
+            f"`compensation` must be an InsideLoop, got {type(inside).__name__}. "
+            "Correct a finished record with `compensation.after_loop`"
+        )
     return {
         "noise_levels": np.array([gyro.detector_noise, gyro.shot_noise, gyro.intensity_noise]),
         "pattern": loop.bias_pattern,
