@@ -30,7 +30,11 @@ Modules, each importing only from those above it
 `fogkit.checks`         checks of arguments, and the wording of errors
 `fogkit.rotation`       direction-cosine matrices, angles, small-angle errors
 `fogkit.earth`          radii, normal gravity, Earth and transport rate
+`fogkit.estimation`     least squares with priors, covariance and what the data leave open; consistency of filters
 `fogkit.optics`         one gyro: coil, interferometer, digital loop, simulator, drift under vibration and its remedies
+`fogkit.imu`            three axes: error model, constructions, mean readings
+`fogkit.stand`          rate table with its errors, plans, what is read while one is carried out
+`fogkit.calibration`    requirements, calibration in three stages, fit of all data, budgets
 `fogkit.campaign`       many runs of anything, on any executor
 `fogkit.claims`         the ledger of claims: what the papers state, and what became of it
 `fogkit.reproduction`   the papers: instruments, derivations, figures, values of the ledger

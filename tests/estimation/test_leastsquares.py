@@ -374,6 +374,13 @@ def test_nonlinear_starting_at_the_truth():
     assert_array_equal(fit.estimate, 0)
 
 
+@pytest.mark.parametrize("unit", [None, 100.0, 0.01])
+def test_search_begins_at_the_start(unit):
+    # of the many zeros of the sine the nearest one is found
+    fit = nonlinear(lambda x: np.array([np.sin(x[0]), 0.0]), [6.0], parameter_scale=unit)
+    assert_allclose(fit.estimate, 2 * np.pi, rtol=1e-12)  # zero residual: rounding
+
+
 def test_no_convergence_is_an_error():
     with pytest.raises(RuntimeError, match="no convergence in 2 evaluations of `residuals` from `start`"):
         nonlinear(misra1a, [500, 1e-4], max_evaluations=2)
@@ -396,6 +403,7 @@ A3, Y3 = [[1, 0], [1, 1], [1, 2]], [1, 2, 4]
         ({"standard_deviation": [1, 2]}, r"`standard_deviation` must be one number or of shape \(3,\), got \(2,\)"),
         ({"covariance": np.eye(2)}, r"`covariance` must be of shape \(3, 3\)"),
         ({"covariance": np.ones((3, 3))}, "`covariance` must be positive definite"),
+        ({"covariance": np.eye(3) + (1 - 1.1e-16) * np.eye(3)[[1, 0, 2]] * [1, 1, 0]}, "must be positive definite"),
         ({"covariance": 1e-20 * (np.ones((3, 3)) - 3 * np.eye(3))}, "`covariance` must have a positive diagonal"),
         ({"covariance": [[1, 0.1, 0], [0.2, 1, 0], [0, 0, 1]]}, "`covariance` must be symmetric"),
         ({"covariance": np.eye(3), "standard_deviation": 1}, "`covariance` must be None where"),

@@ -61,12 +61,8 @@ def fit(
     def residuals(parameters: NDArray) -> NDArray:
         errors = believed.copy()
         errors[chosen] += parameters[len(PARAMETERS) :]
-        model = expected_readings(
-            record.plan,
-            triad_from_parameters(parameters[: len(PARAMETERS)]),
-            table.with_geometry(errors),
-            record.turned,
-        )
+        gyros = triad_from_parameters(parameters[: len(PARAMETERS)])
+        model = expected_readings(record.plan, gyros, table.with_geometry(errors) if chosen else table, record.turned)
         return (record.readings - model).ravel()
 
     scale = np.concatenate([triad.scale_positive, triad.scale_negative])

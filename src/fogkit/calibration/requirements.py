@@ -15,30 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from fogkit import checks
 from fogkit.constants import EARTH_RATE
 from fogkit.earth import POLE_MARGIN, checked_latitude, earth_rate_n
+from fogkit.imu.errors import asymmetry as asymmetry
 
 Array = NDArray[np.float64]
-
-
-def asymmetry(positive: ArrayLike, negative: ArrayLike) -> Array:
-    """Scale factor asymmetry: difference of the scale factors for positive and negative input, over their mean.
-
-    Parameters
-    ----------
-    positive, negative : array_like, shape (...,)
-        Scale factors for positive and negative input, above zero, in the same unit.
-
-    Returns
-    -------
-    ndarray, shape (...,)
-        Asymmetry, pure number: [1]_, eq. (1).
-
-    Examples
-    --------
-    >>> print(f"{asymmetry(1.730345, 1.730357):.2e}")
-    -6.94e-06
-    """
-    positive, negative = _positive("positive", positive), _positive("negative", negative)
-    return (positive - negative) / ((positive + negative) / 2)
 
 
 def rocking_rate_amplitude(angle: ArrayLike, period: ArrayLike) -> Array:

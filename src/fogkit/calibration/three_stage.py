@@ -19,6 +19,9 @@ from fogkit.stand.bench import BenchRecord
 from fogkit.stand.plans import Plan
 from fogkit.stand.table import RateTable
 
+MINIMUM_ALONG = 0.999
+"""Smallest cosine between a turning axis and the gyro axis it is for: errors of a unit, not of a plan, stay above."""
+
 
 def calibrate(
     record: BenchRecord, *, approximation: int = 2, noise: tuple[GyroTriad, RateTable] | None = None
@@ -135,7 +138,7 @@ def _earth_along(record: BenchRecord) -> NDArray[np.float64]:
 
 
 def _require(plan: Plan) -> None:
-    """``ValueError`` that names the first parameter for which the plan has nothing."""
+    """``ValueError`` that names the first parameter for which the plan has nothing, or has it wrong."""
     positions = [plan.segments[i] for i in plan.positions]
     if len(positions) not in (2, 4) or len({s.duration for s in positions}) != 1:
         raise ValueError(
@@ -150,6 +153,14 @@ def _require(plan: Plan) -> None:
             "`record.plan` must hold bias positions in which the Earth's rotation cancels, got positions that leave "
             f"{left / EARTH_RATE} of it in the mean. Use `plans.four_positions`"
         )
+    for i, s in enumerate(plan.segments):
+        if s.turning is not None and s.gyro_axis is not None:
+            along = plan.C_0_g1[i, s.gyro_axis] @ table.axis_in_case(s.turning, s.middle, s.inner)
+            if along < MINIMUM_ALONG:
+                raise ValueError(
+                    f"`record.plan` must turn about the axis of the gyro that a segment names, got segment {i + 1} "
+                    f"({s.label}), where it is {np.rad2deg(np.arccos(along)):.4g} deg off. Use `plans.placement`"
+                )
     for axis, name in enumerate("xyz"):
         for sign, scale in ((1, f"scale_positive_{name}"), (-1, f"scale_negative_{name}")):
             if not plan.turns_about(axis, sign):
@@ -163,8 +174,8 @@ def _warn_of_parts(record: BenchRecord) -> None:
     parts = [s for s in record.plan.segments if not s.is_whole]
     if not parts:
         return
-    # across the axis the Earth turns with at most its full rate; a part of a turn leaves up to 2 / angle of that
-    worst = max(2 * EARTH_RATE / abs(s.rate) / abs(s.rate * s.duration) for s in parts)
+    # across the axis the Earth turns with at most its full rate; of its sinusoid the part of a turn leaves one chord
+    worst = max(2 * abs(np.sin(np.pi * s.turns)) * EARTH_RATE / (s.rate**2 * s.duration) for s in parts)
     warnings.warn(
         f"{len(parts)} turns are not whole ({parts[0].label}: {parts[0].turns:.6g} turns): the rotation of the Earth "
         f"leaves up to {worst:.3g} rad in the angles. Use `bench_fit.fit`, which models it",

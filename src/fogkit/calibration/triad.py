@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from fogkit.imu.errors import MISALIGNMENTS, GyroTriad
+from fogkit.imu.errors import MISALIGNMENTS, GyroTriad, asymmetry
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -50,8 +50,7 @@ class TriadCalibration:
     @property
     def asymmetry(self) -> NDArray[np.float64]:
         """Asymmetry of the scale factors, shape (..., 3) (volynskii eq. (1))."""
-        plus, minus = self.estimate[..., 3:6], self.estimate[..., 6:9]
-        return (plus - minus) / (0.5 * (plus + minus))
+        return asymmetry(self.estimate[..., 3:6], self.estimate[..., 6:9])
 
     @property
     def asymmetry_deviation(self) -> NDArray[np.float64] | None:

@@ -78,6 +78,36 @@ def misalignments_from_matrix(A_g: ArrayLike) -> NDArray[np.float64]:
     return np.arctan(np.stack(tangents, axis=-1))
 
 
+def asymmetry(positive: ArrayLike, negative: ArrayLike) -> NDArray[np.float64]:
+    """Scale factor asymmetry: difference of the scale factors for positive and negative input, over their mean.
+
+    Parameters
+    ----------
+    positive, negative : array_like, shape (...,)
+        Scale factors for positive and negative input, above zero, in the same unit.
+
+    Returns
+    -------
+    ndarray, shape (...,)
+        Asymmetry, pure number (volynskii eq. (1)).
+
+    Raises
+    ------
+    ValueError
+        If a scale factor is not positive and finite.
+
+    Examples
+    --------
+    >>> print(f"{asymmetry(1.730345, 1.730357):.2e}")
+    -6.94e-06
+    """
+    positive, negative = checks.finite_array("positive", positive), checks.finite_array("negative", negative)
+    for name, values in (("positive", positive), ("negative", negative)):
+        if (values <= 0).any():
+            raise ValueError(f"`{name}` must be > 0, got {values.min()}")
+    return (positive - negative) / ((positive + negative) / 2)
+
+
 @dataclass(frozen=True, kw_only=True)
 class GyroTriad:
     """Three gyros: what they read is ``bias + (A_g omega)_j / M_j``, with M_j by the sign of the input.
@@ -131,5 +161,4 @@ class GyroTriad:
     @property
     def asymmetry(self) -> NDArray[np.float64]:
         """Difference of the scale factors over their mean, shape (3,) (volynskii eq. (1))."""
-        plus, minus = np.array(self.scale_positive), np.array(self.scale_negative)
-        return (plus - minus) / (0.5 * (plus + minus))
+        return asymmetry(self.scale_positive, self.scale_negative)

@@ -54,14 +54,19 @@ class BenchRecord:
                     f"`{name}` must be finite, got {values[tuple(bad[0])]} in segment {segment + 1} ({label})"
                 )
             object.__setattr__(self, name, checks.finite_array(name, values, shape=shape))
+        if self.readings.shape[:-1] != self.turned.shape:
+            raise ValueError(
+                "`readings` and `turned` must be of the same runs, "
+                f"got shapes {self.readings.shape} and {self.turned.shape}"
+            )
         commanded = np.array([s.rate * s.duration for s in self.plan.segments])
         off = np.abs(self.turned - commanded) > np.pi
         if off.any():
-            i = int(np.argwhere(off)[0][-1])
+            i = int(np.argwhere(off)[0][-1])  # the segment of the first angle that is off
             raise ValueError(
                 f"`turned` must be the whole angle, not one that wraps: segment {i + 1} "
                 f"({self.plan.segments[i].label}) was commanded {commanded[i]:.6g} rad "
-                f"and reads {self.turned[..., i].flat[0]:.6g} rad. Add the whole turns"
+                f"and reads {self.turned[off][0]:.6g} rad. Add the whole turns"
             )
 
     def to_frame(self) -> "DataFrame":
@@ -149,8 +154,10 @@ def expected_readings(
 
 def _geometry(plan: Plan, table: RateTable):
     """For each segment: nominal gyro axes in the case, turning axis and Earth rotation in the case at the start."""
-    C_0_g1 = np.stack([plan.construction.C_0_g1(s.block_angle) for s in plan.segments])
-    angles = (np.array([getattr(s, name) for s in plan.segments]) for name in AXES)
-    C_0_n = table.C_0_n(*angles)
-    axis = np.stack([table.axis_in_case(s.turning or "outer", s.middle, s.inner) for s in plan.segments])
-    return C_0_g1, axis, np.einsum("nji,j->ni", C_0_n, table.omega_ie_n)
+    outer, middle, inner = (np.array([getattr(s, name) for s in plan.segments]) for name in AXES)
+    turning = np.array([s.turning or "outer" for s in plan.segments])
+    axis = np.empty((turning.size, 3))
+    for name in AXES:
+        chosen = turning == name
+        axis[chosen] = table.axis_in_case(name, middle[chosen], inner[chosen])
+    return plan.C_0_g1, axis, np.einsum("nji,j->ni", table.C_0_n(outer, middle, inner), table.omega_ie_n)

@@ -2,9 +2,11 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fogkit import checks
 from fogkit.imu.constructions import TRIHEDRAL_ALPHA, Construction
@@ -62,6 +64,8 @@ class Segment:
             raise ValueError(f"`rate` must be 0 where no axis turns, got {self.rate} for {self.label!r}")
         if self.turning is not None:
             checks.option("turning", self.turning, ("outer", "middle", "inner"))
+            if self.gyro_axis is not None:
+                _require_gyro_axis(self.gyro_axis)
             if self.rate == 0:
                 raise ValueError(f"`rate` must not be 0 where an axis turns: turn of zero length in {self.label!r}")
 
@@ -100,13 +104,17 @@ class Plan:
         object.__setattr__(self, "segments", tuple(self.segments))
         if not self.segments:
             raise ValueError("`segments` must hold at least one segment, got none")
-        for segment in self.segments:
-            self.construction.C_0_g1(segment.block_angle)
+        _ = self.C_0_g1  # refuses a block angle that the construction does not have
 
     @property
     def duration(self) -> float:
         """Time of all readings, s; the time between them is not counted."""
         return sum(segment.duration for segment in self.segments)
+
+    @cached_property
+    def C_0_g1(self) -> NDArray[np.float64]:
+        """Nominal gyro axes in the case in each segment, shape (n, 3, 3)."""
+        return np.stack([self.construction.C_0_g1(segment.block_angle) for segment in self.segments])
 
     @property
     def positions(self) -> list[int]:
@@ -161,9 +169,7 @@ def placement(construction: Construction, gyro_axis: int, block_angle: float = 0
         about its x and y axes lying east, by the middle axis, and about z upright, by the outer one. A trihedral is
         tilted by the middle axis until the nominal y gyro stands upright, and its block brings the others there.
     """
-    gyro_axis = checks.integer("gyro_axis", gyro_axis, minimum=0)
-    if gyro_axis > 2:
-        raise ValueError(f"`gyro_axis` must be 0, 1 or 2, got {gyro_axis}")
+    gyro_axis = _require_gyro_axis(gyro_axis)
     if construction.name == "trihedral":
         block = (120 * DEG, 0.0, 240 * DEG)[gyro_axis]
         if block_angle:
@@ -171,6 +177,14 @@ def placement(construction: Construction, gyro_axis: int, block_angle: float = 0
         return {"turning": "outer", "middle": np.pi / 2 - TRIHEDRAL_ALPHA, "block_angle": block}
     turning, inner = (("middle", 0.0), ("middle", -np.pi / 2), ("outer", 0.0))[gyro_axis]
     return {"turning": turning, "inner": inner - block_angle, "block_angle": block_angle}
+
+
+def _require_gyro_axis(value: int) -> int:
+    """Number of a gyro, checked."""
+    number = checks.integer("gyro_axis", value, minimum=0)
+    if number > 2:
+        raise ValueError(f"`gyro_axis` must be 0, 1 or 2, got {number}")
+    return number
 
 
 def four_positions(construction: Construction, duration: float, *, heading: float = 0.0) -> list[Segment]:
@@ -246,16 +260,19 @@ def turns(
     Raises
     ------
     ValueError
-        If neither or both of `duration` and `count` are given.
+        If neither or both of `duration` and `count` are given, or a rate is 0.
     """
     if (duration is None) == (count is None):
         raise ValueError("exactly one of `duration` and `count` must be given")
     if count is not None:
         count = checks.integer("count", count, minimum=1)
+    rates = tuple(rates)
+    if 0 in rates:
+        raise ValueError(f"`rates` must not hold 0, the rate of a turn of zero length, got {rates}")
     segments = []
     for gyro_axis in range(3):
         for rate in rates:
-            length = duration if count is None else count * 2 * np.pi / abs(rate) if rate else 0.0
+            length = duration if count is None else count * 2 * np.pi / abs(rate)
             segments.append(
                 Segment(
                     label=f"turn about {'xyz'[gyro_axis]}, {rate / DEG_PER_SECOND:+g} deg/s",
@@ -293,4 +310,4 @@ def three_stage(
         (`fogkit.calibration.three_stage.block_tilt`).
     """
     segments = four_positions(construction, bias_duration)
-    return Plan(construction, segments + turns(construction, tuple(rates), count=count, block_angle=block_angle))
+    return Plan(construction, segments + turns(construction, rates, count=count, block_angle=block_angle))

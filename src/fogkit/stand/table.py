@@ -4,6 +4,7 @@ At zero readings the platform stands along east, north, up. The scheme is that o
 """
 
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -98,7 +99,7 @@ class RateTable:
         ndarray, shape (..., 3, 3)
             ``v_n = C_0_n @ v_0``.
         """
-        base, gimbal, platform = self._fixed()
+        base, gimbal, platform = self._fixed
         turns = [_turn(axis, angle) for axis, angle in ((2, outer), (0, middle), (2, inner))]
         return base @ turns[0] @ gimbal @ turns[1] @ platform[0] @ turns[2] @ platform[1]
 
@@ -118,7 +119,7 @@ class RateTable:
             Unit vector.
         """
         checks.option("turning", turning, AXES)
-        _, gimbal, platform = self._fixed()
+        _, gimbal, platform = self._fixed
         inward = np.eye(3)
         if turning == "outer":
             inward = gimbal @ _turn(0, middle) @ platform[0] @ _turn(2, inner)
@@ -127,6 +128,7 @@ class RateTable:
         axis = np.array([1.0, 0.0, 0.0]) if turning == "middle" else np.array([0.0, 0.0, 1.0])
         return np.einsum("...ji,j->...i", inward @ platform[1], axis)
 
+    @cached_property
     def _fixed(self):
         """Rotations of base, middle axis, inner axis and case that the errors make."""
         base = dcm_from_rotvec([self.level_east, self.level_north, self.azimuth_error])
@@ -137,4 +139,10 @@ class RateTable:
 
 def _turn(axis: int, angle: ArrayLike) -> NDArray[np.float64]:
     """Rotation by an angle about a coordinate axis, shape (..., 3, 3)."""
-    return dcm_from_rotvec(np.asarray(angle, float)[..., None] * np.eye(3)[axis])
+    s, c = np.sin(angle), np.cos(angle)
+    second, third = (axis + 1) % 3, (axis + 2) % 3
+    C = np.zeros((*np.shape(angle), 3, 3))
+    C[..., axis, axis] = 1
+    C[..., second, second] = C[..., third, third] = c
+    C[..., third, second], C[..., second, third] = s, -s
+    return C

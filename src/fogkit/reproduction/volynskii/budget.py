@@ -1,4 +1,4 @@
-"""The accuracy of a scale factor, (20) to (23), in numbers: every reading of (22), its parts, and a direct simulation."""
+"""The accuracy of a scale factor, (20) to (23), in numbers: every reading of (22), its parts, a simulation."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from fogkit import checks
 from fogkit.reproduction.volynskii import instruments as paper
-from fogkit.units import ARCSEC, REVOLUTION
+from fogkit.units import REVOLUTION
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -109,21 +109,23 @@ def readings_of_eq22() -> pd.DataFrame:
     -------
     pandas.DataFrame
         One row per choice: ``angle`` (as printed, or 36 turns), ``readings`` (1 or 2 independent angle readings),
-        ``sum`` (linear or root of squares), ``density`` (convention); ``result``, and ``ratio`` to the print. Nearest
-        to the print first.
+        ``sum`` (linear or root of squares), ``density`` (convention), ``scale`` (1 if bias error and noise are rates,
+        the scale factor of gyro x in Table 2 if they are in units of the reading); ``result``, and ``ratio`` to the
+        print. Nearest to the print first.
     """
     import pandas as pd
 
     angles = {"4.6e7 arcsec": paper.EXAMPLE_ANGLE, "36 turns": 36 * REVOLUTION}
     rows = []
-    for (name, angle), readings, how, (density, factor) in product(
-        angles.items(), (1, 2), ("linear", "root of squares"), NOISE_FACTORS.items()
+    scales = (1.0, paper.TABLE_2["x+"]["mean"])
+    for (name, angle), readings, how, (density, factor), scale in product(
+        angles.items(), (1, 2), ("linear", "root of squares"), NOISE_FACTORS.items(), scales
     ):
         parts = ScaleFactorTest(angle=angle, readout=paper.EXAMPLE_READOUT, noise_factor=factor).parts
-        values = [np.sqrt(readings / 2) * parts["readout"], parts["bias"], parts["noise"]]
+        values = [np.sqrt(readings / 2) * parts["readout"], scale * parts["bias"], scale * parts["noise"]]
         result = (sum(values) if how == "linear" else np.hypot.reduce(values)) / angle
-        rows.append((name, readings, how, density, result, result / paper.EXAMPLE_RESULT))
-    frame = pd.DataFrame(rows, columns=["angle", "readings", "sum", "density", "result", "ratio"])
+        rows.append((name, readings, how, density, scale, result, result / paper.EXAMPLE_RESULT))
+    frame = pd.DataFrame(rows, columns=["angle", "readings", "sum", "density", "scale", "result", "ratio"])
     return frame.sort_values("ratio", key=lambda ratio: abs(np.log(ratio)), ignore_index=True)
 
 
@@ -160,7 +162,3 @@ def simulate(test: ScaleFactorTest, runs: int, rng: np.random.Generator, steps: 
 def bias_spread(rate: float, scale: float) -> float:
     """Change of a scale factor, in its own unit, that the example's bias error makes at a rate, rad/s."""
     return scale * paper.EXAMPLE_BIAS_ERROR / abs(rate)
-
-
-EXAMPLE_IN_ARCSEC = {name: size / ARCSEC for name, size in ScaleFactorTest().parts.items()}
-"""Parts of the example in arcseconds."""

@@ -1,11 +1,10 @@
-"""Motions simulated sample by sample, and geometry done with rotation matrices: what the statements in words come to."""
+"""Motions simulated sample by sample and geometry by rotation matrices: what the statements in words come to."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from fogkit.calibration import requirements
-from fogkit.constants import EARTH_RATE
 from fogkit.earth import earth_rate_n
 from fogkit.imu.constructions import TRIHEDRAL_ALPHA, TRIHEDRAL_BETA, block_rotation, pyramid_matrix
 from fogkit.imu.errors import misalignment_matrix
@@ -42,19 +41,17 @@ def rocking_amplitude() -> float:
     return float(requirements.rocking_rate_amplitude(paper.ROCKING_ANGLE, paper.ROCKING_PERIOD))
 
 
-def turning_errors(scale_error: float, misalignment: float, rate: float, samples: int = 1000) -> tuple[float, float]:
-    """Change of the error of a vertical and of a horizontal gyro over one turn: largest less smallest, rad/s.
+def turning_errors(scale_error: float, misalignment: float, rate: float, samples: int = 1000) -> np.ndarray:
+    """Errors of a vertical and of a horizontal gyro along one turn, rad/s, shape (samples, 2).
 
-    Both are constant if these are zero; the Earth rate is left out, as it makes no difference between true and read.
+    The vertical gyro has the scale error, the horizontal one leans upwards by the misalignment. The Earth rate is left
+    out: at these errors its part is far below that of the turn.
     """
     heading = np.linspace(0, 2 * np.pi, samples)
-    turn_n = np.array([0, 0, rate])
     C_b_n = dcm_from_rotvec(heading[:, None] * [0, 0, 1.0])
-    omega = np.einsum("nij,i->nj", C_b_n, turn_n)  # rate in body axes
-    vertical = scale_error * omega[:, 2]
-    leaning = dcm_from_rotvec([0, -misalignment, 0]) @ [1, 0, 0]  # x-axis, leaning upwards
-    horizontal = omega @ leaning - omega[:, 0]
-    return float(np.ptp(vertical)), float(np.ptp(horizontal))
+    omega = np.einsum("nij,i->nj", C_b_n, [0, 0, rate])  # in body axes
+    leaning = dcm_from_rotvec([0, -misalignment, 0]) @ [1, 0, 0]
+    return np.stack([scale_error * omega[:, 2], omega @ leaning - omega[:, 0]], axis=-1)
 
 
 def modulated_earth_rate(turns: float, samples: int = 100_000) -> float:
@@ -77,7 +74,7 @@ def second_approximation_error(angle: float) -> tuple[float, float]:
 
 
 def rows_extend_to_rotations(angle: float) -> bool:
-    """Whether each row of A_g with unit rows is the row of a rotation, and their product with a rotation that of A_g."""
+    """Whether each unit row of A_g extends to a rotation whose product with a rotation has the row of A_g's product."""
     A_g = misalignment_matrix(np.full(6, angle))
     C = dcm_from_rotvec([0.3, -0.2, 0.9])
     for i, row in enumerate(A_g):
@@ -130,8 +127,3 @@ def rocking_drifts_of_table_2() -> dict[str, float]:
 def relative_spreads() -> dict[str, float]:
     """Spreads of Table 2 over the means: the relative spreads if the printed ones are in the unit of the means."""
     return {name: cell["spread"] / cell["mean"] for name, cell in paper.TABLE_2.items()}
-
-
-def horizontal_earth_rate() -> float:
-    """Horizontal Earth rate at the assumed latitude, rad/s."""
-    return EARTH_RATE * float(np.cos(ASSUMED_LATITUDE))
