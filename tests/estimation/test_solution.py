@@ -60,6 +60,7 @@ def test_correlation_of_a_line():
     # sums over 0, 1, 2: -3 / sqrt(3 * 5)
     np.testing.assert_allclose(LINE.correlation, [[1, -3 / np.sqrt(15)], [-3 / np.sqrt(15), 1]], rtol=1e-14)  # rounding
     assert_array_equal(np.isnan(OPEN.correlation), ~np.eye(3, dtype=bool))
+    assert_array_equal(np.diag(OPEN.correlation), 1)  # exact, also where the variance is infinite
 
 
 def test_record_cannot_be_edited():

@@ -143,7 +143,7 @@ def test_impossible_plans_are_refused_by_name():
     with pytest.raises(ValueError, match="`count`"):
         plans.turns(case("plain"), [1.0], count=0)
     for length in ({"count": 1}, {"duration": 1.0}):
-        with pytest.raises(ValueError, match="`rates` .* zero length"):
+        with pytest.raises(ValueError, match=r"`rates` .* zero length"):
             plans.turns(case("plain"), [1.0, 0.0], **length)
 
 

@@ -4,14 +4,14 @@ The model is the bench itself (`fogkit.stand.bench.expected_readings`): turns ne
 rotation is in it, and the table's geometry may be estimated along, as far as the readings or a prior determine it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fogkit.calibration.three_stage import deviations
 from fogkit.calibration.triad import PARAMETERS, TriadCalibration, triad_from_parameters
-from fogkit.estimation.leastsquares import nonlinear
+from fogkit.estimation.leastsquares import NUMERIC_RANK_TOLERANCE, linear, nonlinear
 from fogkit.estimation.solution import Solution
 from fogkit.imu.errors import GyroTriad
 from fogkit.stand.bench import BenchRecord, expected_readings
@@ -46,8 +46,8 @@ def fit(
     Raises
     ------
     ValueError
-        If the record holds several runs, `geometry` has an unknown name, or the plan leaves a parameter open; the
-        message names it.
+        If the record holds several runs, `geometry` has an unknown name or a deviation that is not above zero, or the
+        plan leaves a parameter open; the message names it.
     """
     triad, table = noise
     if record.readings.ndim != 2:
@@ -55,6 +55,9 @@ def fit(
     geometry = dict(geometry or {})
     if unknown := sorted(set(geometry) - set(GEOMETRY)):
         raise ValueError(f"`geometry` must have names of {GEOMETRY}, got {unknown}")
+    for name, deviation in geometry.items():
+        if not deviation > 0:
+            raise ValueError(f"`geometry` must hold standard deviations above 0, in rad, got {deviation} for {name!r}")
     chosen = [GEOMETRY.index(name) for name in geometry]
     believed = table.geometry
 
@@ -67,18 +70,27 @@ def fit(
 
     scale = np.concatenate([triad.scale_positive, triad.scale_negative])
     start = np.concatenate([np.zeros(3), scale, np.zeros(6 + len(chosen))])
-    size = np.concatenate([np.full(3, 1e-6), scale, np.full(6, ARCMIN), np.full(len(chosen), 10 * ARCSEC)])
-    solution = nonlinear(
-        residuals,
-        start,
-        covariance=data_covariance(record, noise),
-        prior_standard_deviation=geometry or None,
-        prior_mean=dict.fromkeys(geometry, 0.0) or None,
-        names=(*PARAMETERS, *geometry),
-        parameter_scale=size,
-    )
+    size = np.concatenate([1e-6 / scale[:3], scale, np.full(6, ARCMIN), np.full(len(chosen), 10 * ARCSEC)])
+    known = {
+        "covariance": data_covariance(record, noise),
+        "prior_standard_deviation": geometry or None,
+        "prior_mean": dict.fromkeys(geometry, 0.0) or None,
+        "names": (*PARAMETERS, *geometry),
+    }
+    # a plan that leaves something open would send the search anywhere, to scale factors below zero too
+    steps = 1e-4 * np.concatenate([1 / scale[:3], scale, np.ones(6 + len(chosen))])  # cubes 2e-9, rounding 1e-12
+    design = _slope(residuals, start, steps)
+    first = linear(-design, residuals(start), rank_tolerance=NUMERIC_RANK_TOLERANCE, **known)
+    first.raise_if_unobservable("the plan", priors_help=True)
+    solution = nonlinear(residuals, start, parameter_scale=size, **known)
     solution.raise_if_unobservable("the plan", priors_help=True)
     return solution
+
+
+def _slope(function: Callable[[NDArray], NDArray], at: NDArray, steps: NDArray) -> NDArray[np.float64]:
+    """Derivative of a vector by central differences, shape (n, p)."""
+    moves = np.diag(steps)
+    return np.stack([(function(at + move) - function(at - move)) / (2 * move.sum()) for move in moves], axis=-1)
 
 
 def data_covariance(record: BenchRecord, noise: tuple[GyroTriad, RateTable]) -> NDArray[np.float64]:

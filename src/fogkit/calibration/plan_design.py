@@ -144,8 +144,10 @@ def drift_at_sea(
     return np.sqrt(np.einsum("ij,jk,ik->i", jacobian, covariance, jacobian))
 
 
-def split_plan(construction: Construction, duration: float, *, bias_share: float, rate: float) -> Plan:
-    """Plan of a given duration: a share of it for four bias positions, the rest for whole turns both ways about each gyro.
+def split_plan(
+    construction: Construction, duration: float, *, bias_share: float, rate: float, repeats: int = 1
+) -> Plan:
+    """Plan of a given duration: a share for four bias positions, the rest for whole turns both ways about each gyro.
 
     Parameters
     ----------
@@ -158,11 +160,13 @@ def split_plan(construction: Construction, duration: float, *, bias_share: float
         whole turn.
     rate : float
         Rate of the turns, rad/s, positive.
+    repeats : int, optional
+        How often each turn is made, in as many parts with readings of their own.
 
     Returns
     -------
     Plan
-        Four positions and six turns, or the turns alone.
+        Four positions and ``6 * repeats`` turns, or the turns alone.
 
     Raises
     ------
@@ -172,14 +176,12 @@ def split_plan(construction: Construction, duration: float, *, bias_share: float
     checks.in_closed_interval("bias_share", bias_share, 0.0, 1.0)
     rate = checks.positive("rate", rate, "rad/s")
     duration = checks.positive("duration", duration, "s")
-    period = 2 * np.pi / rate
-    count = int(np.floor((1 - bias_share) * duration / 6 / period * (1 + plans.WHOLE_TURN_TOLERANCE)))
+    shortest = 6 * checks.integer("repeats", repeats, minimum=1) * 2 * np.pi / rate
+    count = int(np.floor((1 - bias_share) * duration / shortest * (1 + plans.WHOLE_TURN_TOLERANCE)))
     if count < 1:
-        raise ValueError(
-            f"`bias_share` must leave {6 * period:.6g} s for whole turns, got {bias_share} of {duration} s"
-        )
-    turning = plans.turns(construction, (rate, -rate), count=count)
-    held = duration - 6 * count * period
+        raise ValueError(f"`bias_share` must leave {shortest:.6g} s for whole turns, got {bias_share} of {duration} s")
+    turning = plans.turns(construction, (rate, -rate) * repeats, count=count)
+    held = duration - count * shortest
     return Plan(construction, (plans.four_positions(construction, held / 4) if bias_share else []) + turning)
 
 
