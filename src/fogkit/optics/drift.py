@@ -57,7 +57,7 @@ def drift_from_rest(gyro: ClosedLoopGyro, acceleration: ArrayLike) -> NDArray[np
     Returns
     -------
     ndarray, shape (...,)
-        ``1/8 cot(depth) S eps^2 dt_m dt_r``, rad/s (miklyashev eq. (8) with its sign mended), times the order sign.
+        ``1/8 cot(depth) S eps^2 dt_m dt_p``, rad/s (miklyashev eq. (8) with its sign mended), times the order sign.
     """
     return 0.5 * _steady(gyro) * np.asarray(acceleration, dtype=float) ** 2
 
@@ -75,7 +75,7 @@ def steady_drift(gyro: ClosedLoopGyro, acceleration: ArrayLike) -> NDArray[np.fl
     Returns
     -------
     ndarray, shape (...,)
-        ``1/4 cot(depth) S eps^2 dt_m dt_r / gain``, rad/s (miklyashev eq. (11) with its sign mended, which has gain 1),
+        ``1/4 cot(depth) S eps^2 dt_m dt_p / gain``, rad/s (miklyashev eq. (11) with its sign mended, which has gain 1),
         times the order sign, plus the curvature within a regulation period for orders without a first moment. For a
         harmonic acceleration the mean is half of the value at its amplitude.
     """
@@ -210,6 +210,6 @@ def _curvature(gyro: ClosedLoopGyro) -> float:
 
 
 def _steady(gyro: ClosedLoopGyro) -> float:
-    """Drift per squared acceleration at gain 1, ``1/4 cot(depth) S dt_m dt_r`` times the order sign, s^3."""
+    """Drift per squared acceleration at gain 1, ``1/4 cot(depth) S dt_m dt_p`` times the order sign, s^3."""
     loop = gyro.loop
     return 0.5 * _curvature(gyro) * loop.half_period * loop.regulation_period * loop.order_signs.mean()
