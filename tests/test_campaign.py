@@ -7,10 +7,11 @@ import pytest
 from fogkit.campaign import map_cases
 from fogkit.optics.measure import simulated_drift
 from fogkit.optics.motion import AngularOscillation
+from fogkit.optics.simulate import FringeLockError
 from fogkit.reproduction.miklyashev import SIMULATED
 
 CASES = [
-    {"gyro": SIMULATED, "oscillation": AngularOscillation(acceleration=a, frequency=60.0), "duration": 0.2}
+    {"gyro": SIMULATED, "oscillation": AngularOscillation(acceleration=a, frequency=60.0), "duration": 0.4}
     for a in (10.0, 50.0, 90.0)
 ]
 
@@ -57,3 +58,14 @@ def test_a_progress_bar_counts_the_cases(capsys):
         map_cases(slow_then_fast, [{"wait": 0, "value": 1}] * 3, executor=pool, progress="sweep")
     shown = capsys.readouterr().err
     assert "sweep" in shown and "3/3" in shown
+
+
+def test_cases_must_be_mappings():
+    with ThreadPoolExecutor(1) as pool, pytest.raises(TypeError, match=r"`cases`.*case 2"):
+        map_cases(slow_then_fast, [{"wait": 0, "value": 1}, 3], executor=pool)
+
+
+def test_a_lost_fringe_comes_back_from_a_process_pool():
+    lost = {"gyro": SIMULATED, "oscillation": AngularOscillation(acceleration=2e4, frequency=60.0), "duration": 0.4}
+    with ProcessPoolExecutor(1) as pool, pytest.raises(FringeLockError, match="fringe lock lost"):
+        map_cases(simulated_drift, [lost], executor=pool)
