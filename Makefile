@@ -45,8 +45,7 @@ lint: $(ENVIRONMENT)
 lock: $(BIN)/python
 	$(PIP) "uv==$(UV_VERSION)"
 	$(BIN)/uv pip compile pyproject.toml --all-extras --universal --python-version 3.11 --generate-hashes \
-		--no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" $(UPGRADE) \
-		--quiet --output-file requirements.lock
+		--custom-compile-command "make lock" $(UPGRADE) --quiet --output-file requirements.lock
 
 environment: $(ENVIRONMENT)
 

@@ -20,7 +20,7 @@ SOURCE = Path(__file__).resolve().parents[1] / "src" / "fogkit"
 # From the ground up: a module imports from its own folder and from what stands before it here, whichever line it is on.
 # `__main__` is `python -m fogkit`.
 LAYERS = (
-    *("constants", "units", "checks"),
+    *("constants", "units", "checks", "results"),
     *("rotation", "earth"),
     "estimation",
     *("noise", "optics", "thermal", "imu", "stand"),

@@ -28,6 +28,7 @@ Modules, each importing only from those above it
 `fogkit.constants`      speed of light, WGS 84
 `fogkit.units`          conversion factors
 `fogkit.checks`         checks of arguments, and the wording of errors
+`fogkit.results`        what every result can do: table, text and back
 `fogkit.rotation`       direction-cosine matrices, angles, small-angle errors
 `fogkit.earth`          radii, normal gravity, Earth and transport rate
 `fogkit.estimation`     least squares with priors, covariance and what the data leave open; consistency of filters
@@ -41,7 +42,24 @@ Modules, each importing only from those above it
 `fogkit.plotting`       figures
 ======================  ==============================================================================================
 
-Nothing is imported with the package itself: ``import fogkit`` is light, and each module loads what it needs.
+``import fogkit`` loads nothing of these: each is loaded when it is first used, and loads what it needs.
 """
 
+import importlib
+
 __version__ = "0.1.0"
+
+_MODULES = {
+    *("campaign", "checks", "claims", "constants", "earth", "optics", "plotting"),
+    *("reproduction", "results", "rotation", "units"),
+}
+
+
+def __getattr__(name: str):
+    if name in _MODULES:
+        return importlib.import_module(f"fogkit.{name}")
+    raise AttributeError(f"module 'fogkit' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *_MODULES})

@@ -1,6 +1,6 @@
 """Many runs of anything: one function over many cases, on any executor, with a progress bar."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor, ProcessPoolExecutor
 from typing import Any
 
@@ -33,6 +33,8 @@ def map_cases(
 
     Raises
     ------
+    TypeError
+        If a case is no mapping.
     Exception
         What a call raised; calls not yet begun are cancelled.
 
@@ -46,6 +48,10 @@ def map_cases(
     if executor is None:
         with ProcessPoolExecutor() as pool:
             return map_cases(function, cases, executor=pool, progress=progress)
+    cases = list(cases)
+    for i, case in enumerate(cases):
+        if not isinstance(case, Mapping):
+            raise TypeError(f"`cases` must hold mappings of argument names to values, got {case!r} as case {i + 1}")
     futures = [executor.submit(function, **case) for case in cases]
     try:
         return [future.result() for future in _bar(futures, progress)]

@@ -54,6 +54,38 @@ def non_negative(name: str, value: Any, unit: str = "", *, fix: str = "") -> flo
     return _require(0 <= number < np.inf, name, f"finite and >= 0{_spaced(unit)}", number, fix)
 
 
+def finite(name: str, value: Any, unit: str = "", *, fix: str = "") -> float:
+    """Finite number, as a float.
+
+    Examples
+    --------
+    >>> finite("phase", float("nan"), "rad")
+    Traceback (most recent call last):
+    ...
+    ValueError: `phase` must be finite, in rad, got nan
+    """
+    number = _real(name, value, fix)
+    return _require(np.isfinite(number), name, "finite" + (f", in {unit}" if unit else ""), number, fix)
+
+
+def instance(name: str, value: Any, kind: type | tuple[type, ...], *, fix: str = "") -> Any:
+    """Object of a class, or of one of several, as it came; anything else is a ``TypeError``.
+
+    Examples
+    --------
+    >>> instance("rate", "fast", float)
+    Traceback (most recent call last):
+    ...
+    TypeError: `rate` must be a float, got str
+    """
+    if not isinstance(value, kind):
+        kinds = kind if isinstance(kind, tuple) else (kind,)
+        needed = "a " + " or ".join(k.__name__ for k in kinds)
+        came = f"the class {value.__name__}" if isinstance(value, type) else type(value).__name__
+        raise TypeError(_message(name, needed, came, fix))
+    return value
+
+
 def in_open_interval(name: str, value: Any, low: float, high: float, unit: str = "", *, fix: str = "") -> float:
     """Number with ``low < value < high``, as a float; a bound may be infinite, the value may not.
 

@@ -50,7 +50,7 @@ def test_check_passes_and_fails(write, rows, values, capsys):
     assert "5 of 6 rows carry their status" in captured.out
     assert captured.err.startswith("fake-number: reproduced, but the print does not hold")
     target = folder / "ledger.txt"
-    assert main(["--csv", str(target)], folder=folder, values={"fake": values}) == 0
+    assert main(["--csv", str(target)], folder=folder, values={"fake": values}) == 1
     assert "1 rows do not carry their status" in capsys.readouterr().err
 
 

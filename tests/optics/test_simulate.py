@@ -177,9 +177,9 @@ def test_a_lost_fringe_really_is_another_reading(make_gyro):
 @pytest.mark.parametrize(
     ("argument", "motion", "options"),
     [
-        ("rates", [], {}),
-        ("rates", [[0.0] * 16], {}),
-        ("rates", [np.nan] * 16, {}),
+        ("motion", [], {}),
+        ("motion", [[0.0] * 16], {}),
+        ("motion", [np.nan] * 16, {}),
         ("motion", [0.0] * 17, {}),
         ("duration", [0.0] * 16, {"duration": 1.0}),
         ("duration", np.sin, {}),
@@ -233,3 +233,36 @@ def test_record_becomes_a_table(make_gyro):
     table = simulate.run(make_gyro(), Ramp(acceleration=1), duration=0.01).to_frame()
     assert table.index.name == "time"
     assert list(table.columns) == ["rate", "residual", "true_rate"]
+
+
+def test_tables_are_arrays_and_classes_are_refused(make_gyro):
+    import pandas as pd
+
+    rates = np.full(160, 0.1)
+    assert_array_equal(simulate.run(make_gyro(), pd.Series(rates)).rate, simulate.run(make_gyro(), rates).rate)
+    with pytest.raises(TypeError, match=r"`motion`.*class AngularOscillation"):
+        simulate.run(make_gyro(), AngularOscillation, 0.1)
+
+
+def test_a_vibration_that_sampling_would_fold_is_refused(make_gyro):
+    with pytest.raises(ValueError, match=r"`frequency`.*half the sampling rate"):
+        simulate.run(make_gyro(), AngularOscillation(acceleration=1.0, frequency=150e3), 0.1)
+
+
+def test_loss_of_lock_comes_out_of_a_process_whole():
+    import pickle
+
+    error = simulate.FringeLockError(1.5, 0.25)
+    copy = pickle.loads(pickle.dumps(error))
+    assert (copy.time, copy.rate, str(copy)) == (1.5, 0.25, str(error))
+
+
+def test_a_record_of_a_real_gyro_needs_no_truth(make_gyro):
+    readings = np.linspace(0, 1, 10)
+    record = simulate.LoopRecord(gyro=make_gyro(), time=readings, rate=readings, residual=0 * readings)
+    assert np.isnan(record.error).all() and np.isnan(record.lock_lost_at)
+
+
+def test_a_half_period_away_from_the_transit_time_warns(make_gyro):
+    with pytest.warns(UserWarning, match="transit time"):
+        make_gyro(half_period=7e-6)

@@ -35,7 +35,11 @@ def main(
     ]
     failed = [outcome for outcome in outcomes if outcome.problem]
     if options.csv:
-        write_csv(options.csv, outcomes)
+        try:
+            write_csv(options.csv, outcomes)
+        except OSError as fault:
+            print(f"`--csv` must be a file that can be written: {fault}", file=sys.stderr)
+            return 2
         print(f"\n{len(outcomes)} rows written to {options.csv}")
     if options.check:
         for outcome in failed:
@@ -43,7 +47,7 @@ def main(
         print(f"\n{len(outcomes) - len(failed)} of {len(outcomes)} rows carry their status")
     elif failed:
         print(f"{len(failed)} rows do not carry their status: --check lists them", file=sys.stderr)
-    return 1 if options.check and failed else 0
+    return 1 if failed else 0
 
 
 def _parser() -> argparse.ArgumentParser:

@@ -59,7 +59,7 @@ def _horner(coefficients, x):
 
 @njit(cache=True, nogil=True)
 def _linearised(phase, increment, order_sign, nominal_depth, law, k):
-    """Demodulated phase with the cross-term of acceleration and lag taken out; NaN where `FULL` has no inverse."""
+    """Demodulated phase without the cross-term of acceleration and lag; as it came where `FULL` has no inverse."""
     half_step = increment / (2.0 * k)  # half of the phase gained from one bias state to the next
     if law == QUADRATIC:
         return phase * (1.0 - order_sign * half_step / math.tan(nominal_depth))
@@ -67,7 +67,7 @@ def _linearised(phase, increment, order_sign, nominal_depth, law, k):
     if half_step != 0.0:
         spread = math.sin(k * half_step) / (0.5 * k * math.sin(2.0 * half_step))
     sine = phase * math.sin(nominal_depth) / (math.sin(nominal_depth + order_sign * half_step) * spread)
-    return math.asin(sine) if abs(sine) <= 1.0 else math.nan
+    return math.asin(sine) if abs(sine) <= 1.0 else phase
 
 
 @njit(cache=True, nogil=True)
@@ -151,8 +151,6 @@ def advance(
             else:
                 increment = state[history + lag - 1]
             phase = _linearised(phase, increment, sign, compensation_depth, law, k)
-            if math.isnan(phase):
-                return i * k + k - 1
             for j in range(lag - 1, 0, -1):
                 state[history + j] = state[history + j - 1]
             if lag > 0:

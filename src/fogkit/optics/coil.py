@@ -57,6 +57,11 @@ class Coil:
         for name in ("length", "diameter", "wavelength"):
             checks.positive(name, getattr(self, name), "m")
         checks.in_closed_interval("index", self.index, 1.0, np.inf)
+        if self.diameter > 10 or self.length > 1e6:
+            raise ValueError(
+                f"`diameter` must be at most 10 m and `length` 1e6 m, got {self.diameter} m and {self.length} m. "
+                "Multiply millimetres by `fogkit.units.MILLIMETRE`"
+            )
         if self.wavelength > 1e-4:
             raise ValueError(
                 f"`wavelength` must be in metres and below 1e-4 m, got {self.wavelength}. "

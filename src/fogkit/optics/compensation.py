@@ -36,7 +36,8 @@ class InsideLoop:
     ----------
     law : {"quadratic", "full"}, optional
         ``quadratic`` removes the product of acceleration and residual; ``full`` divides by the response at the depth
-        that the acceleration makes, and inverts the sine of the interferometer too (`drift.full_response_drift`).
+        that the acceleration makes, and inverts the sine of the interferometer too; a phase beyond what the sine
+        returns is left as it is (`drift.full_response_drift`).
     lag : int, optional
         The acceleration is the feedback increment that the controller computed `lag` regulation periods ago; 0 is the
         one that the phase under correction itself asks for.
@@ -107,15 +108,18 @@ def after_loop(record: LoopRecord, remedy: AfterLoop) -> LoopRecord:
     -------
     LoopRecord
         Same record with corrected `rate` and `residual`, without the periods at the ends for which there is no
-        difference. NaN where the residual is outside what the full law can invert.
+        difference.
 
     Raises
     ------
     ValueError
         If the record is too short.
+    TypeError
+        If `remedy` is another one.
     """
     from fogkit.optics import _kernels  # here, since `numba` is slow to load
 
+    checks.instance("remedy", remedy, AfterLoop)
     law = _kernels.LAWS[remedy.law]
     early, late, factor = ACCELERATIONS[remedy.acceleration]
     loop, coil = record.gyro.loop, record.gyro.coil
@@ -164,6 +168,7 @@ def noise_bias(gyro: ClosedLoopGyro, remedy: InsideLoop | AfterLoop) -> float:
         acceleration and residual. With gain 1 that covariance is +2, -1 and 0 times the noise variance for a `lag` of
         0, 1 and 2, and +1/2 and 0 for ``central`` and ``ahead``.
     """
+    checks.instance("remedy", remedy, (InsideLoop, AfterLoop))
     loop = gyro.loop
     residual, increment = _noise_responses(gyro)
     if isinstance(remedy, InsideLoop):

@@ -41,7 +41,7 @@ def drift_of_states(gyro: ClosedLoopGyro, acceleration: ArrayLike, times: ArrayL
     loop = gyro.loop
     times = checks.finite_array("times", times, shape=(loop.half_periods,))
     moment = loop.bias_pattern[0] @ times**2 / (2 * loop.half_periods)
-    return _curvature(gyro) * moment * np.asarray(acceleration, dtype=float) ** 2
+    return _curvature(gyro) * moment * checks.finite_array("acceleration", acceleration) ** 2
 
 
 def drift_from_rest(gyro: ClosedLoopGyro, acceleration: ArrayLike) -> NDArray[np.float64]:
@@ -57,9 +57,9 @@ def drift_from_rest(gyro: ClosedLoopGyro, acceleration: ArrayLike) -> NDArray[np
     Returns
     -------
     ndarray, shape (...,)
-        ``1/8 cot(depth) S eps^2 dt_m dt_r``, rad/s (miklyashev eq. (8) with its sign mended), times the order sign.
+        ``1/8 cot(depth) S eps^2 dt_m dt_p``, rad/s (miklyashev eq. (8) with its sign mended), times the order sign.
     """
-    return 0.5 * _steady(gyro) * np.asarray(acceleration, dtype=float) ** 2
+    return 0.5 * _steady(gyro) * checks.finite_array("acceleration", acceleration) ** 2
 
 
 def steady_drift(gyro: ClosedLoopGyro, acceleration: ArrayLike) -> NDArray[np.float64]:
@@ -68,14 +68,15 @@ def steady_drift(gyro: ClosedLoopGyro, acceleration: ArrayLike) -> NDArray[np.fl
     Parameters
     ----------
     gyro : ClosedLoopGyro
-        The gyro. With a second integrator the lag, and with it this drift, vanishes.
+        The gyro. With a second integrator, however weak, the lag and with it this drift vanish; where the oscillation
+        is not slow for that integrator, `vibration_drift` counts.
     acceleration : array_like, shape (...,)
         Angular acceleration, rad/s^2.
 
     Returns
     -------
     ndarray, shape (...,)
-        ``1/4 cot(depth) S eps^2 dt_m dt_r / gain``, rad/s (miklyashev eq. (11) with its sign mended, which has gain 1),
+        ``1/4 cot(depth) S eps^2 dt_m dt_p / gain``, rad/s (miklyashev eq. (11) with its sign mended, which has gain 1),
         times the order sign, plus the curvature within a regulation period for orders without a first moment. For a
         harmonic acceleration the mean is half of the value at its amplitude.
     """
@@ -83,7 +84,7 @@ def steady_drift(gyro: ClosedLoopGyro, acceleration: ArrayLike) -> NDArray[np.fl
     index = np.arange(loop.half_periods) - 0.5 * (loop.half_periods - 1)
     second_moment = (loop.bias_pattern @ index**2).mean() / (2 * loop.half_periods) * loop.half_period**2
     lag = 0.0 if loop.second_gain else _steady(gyro) / loop.gain
-    return (lag + _curvature(gyro) * second_moment) * np.asarray(acceleration, dtype=float) ** 2
+    return (lag + _curvature(gyro) * second_moment) * checks.finite_array("acceleration", acceleration) ** 2
 
 
 def vibration_drift(gyro: ClosedLoopGyro, acceleration: ArrayLike, frequency: ArrayLike) -> NDArray[np.float64]:
@@ -114,17 +115,30 @@ def vibration_drift(gyro: ClosedLoopGyro, acceleration: ArrayLike, frequency: Ar
     Raises
     ------
     ValueError
-        If `frequency` is not positive and finite.
+        If `frequency` is not positive, or above half of the rate of half-periods, or something is not finite.
+
+    Examples
+    --------
+    >>> from fogkit.optics import Coil, Loop
+    >>> from fogkit.units import DEG, DEG_PER_HOUR
+    >>> loop = Loop(depth=3 * np.pi / 4, half_period=5e-6, half_periods=16)
+    >>> gyro = ClosedLoopGyro(coil=Coil(length=1000, diameter=0.1), loop=loop)
+    >>> round(float(vibration_drift(gyro, 5000 * DEG, 60.0)) / DEG_PER_HOUR, 4)
+    -0.2123
     """
-    loop = gyro.loop
+    loop = checks.instance("gyro", gyro, ClosedLoopGyro).loop
     frequency = checks.finite_array("frequency", frequency)
-    if (frequency <= 0).any():
-        raise ValueError(f"`frequency` must be positive, in Hz, got {frequency.min()}")
+    highest = 0.5 / loop.half_period
+    if (frequency <= 0).any() or (frequency > highest).any():
+        worst = frequency.min() if (frequency <= 0).any() else frequency.max()
+        raise ValueError(
+            f"`frequency` must be positive and at most {highest:.6g} Hz, half of the sampling rate, got {worst:.6g}"
+        )
     omega = 2 * np.pi * frequency
     response = loop.closed_loop_response(frequency) * loop.averaging_response(frequency)
     steps = np.exp(1j * omega[..., None] * loop.half_period * np.arange(loop.half_periods))
     states = (steps @ loop.bias_pattern.T).mean(axis=-1)
-    rate = np.asarray(acceleration, dtype=float) / omega
+    rate = checks.finite_array("acceleration", acceleration) / omega
     return -_curvature(gyro) * rate**2 * np.real(np.conj(response) * states) / (2 * loop.half_periods)
 
 
@@ -157,7 +171,9 @@ def random_vibration_drift(gyro: ClosedLoopGyro, frequency: ArrayLike, density: 
         raise ValueError("`frequency` must rise from entry to entry, in Hz")
     if (density < 0).any():
         raise ValueError(f"`density` must not be negative, got {density.min()}")
-    return float(np.trapezoid(vibration_drift(gyro, 1.0, frequency) * 2 * density, frequency))
+    from scipy.integrate import trapezoid
+
+    return float(trapezoid(vibration_drift(gyro, 1.0, frequency) * 2 * density, frequency))
 
 
 def full_response_drift(gyro: ClosedLoopGyro, acceleration: ArrayLike) -> NDArray[np.float64]:
@@ -193,7 +209,7 @@ def full_response_drift(gyro: ClosedLoopGyro, acceleration: ArrayLike) -> NDArra
             "`gyro` must have no second integrator and the bias order 'minus-plus' or 'plus-minus', "
             f"got second_gain={loop.second_gain} and bias_order={loop.bias_order!r}"
         )
-    half_step = 0.5 * to_phase * np.asarray(acceleration, dtype=float) * loop.half_period
+    half_step = 0.5 * to_phase * checks.finite_array("acceleration", acceleration) * loop.half_period
     lag = 2 * half_step * loop.half_periods / loop.gain  # what the linear loop settles at
     pairs = loop.half_periods // 2
     offsets = 4 * half_step[..., None] * (np.arange(pairs) - 0.5 * (pairs - 1))
@@ -205,11 +221,11 @@ def full_response_drift(gyro: ClosedLoopGyro, acceleration: ArrayLike) -> NDArra
 
 def _curvature(gyro: ClosedLoopGyro) -> float:
     """``cot(depth) S`` for the actual depth under the nominal demodulation, s."""
-    loop = gyro.loop
+    loop = checks.instance("gyro", gyro, ClosedLoopGyro).loop
     return np.cos(loop.actual_depth) / np.sin(loop.depth) * gyro.coil.sagnac_scale_factor
 
 
 def _steady(gyro: ClosedLoopGyro) -> float:
-    """Drift per squared acceleration at gain 1, ``1/4 cot(depth) S dt_m dt_r`` times the order sign, s^3."""
+    """Drift per squared acceleration at gain 1, ``1/4 cot(depth) S dt_m dt_p`` times the order sign, s^3."""
     loop = gyro.loop
     return 0.5 * _curvature(gyro) * loop.half_period * loop.regulation_period * loop.order_signs.mean()

@@ -1,5 +1,6 @@
 """One closed-loop gyro: coil, loop and detector noise in one record."""
 
+import warnings
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,6 +31,12 @@ class ClosedLoopGyro:
         If `coil` or `loop` is something else.
     ValueError
         If a noise level is negative or not finite.
+
+    Warns
+    -----
+    UserWarning
+        If the half-period of the modulation is more than a tenth away from the coil's transit time: then the light that
+        meets was not modulated half a period apart, which this model takes it to be.
     """
 
     coil: Coil
@@ -40,12 +47,17 @@ class ClosedLoopGyro:
 
     def __post_init__(self) -> None:
         for name, kind in (("coil", Coil), ("loop", Loop)):
-            if not isinstance(getattr(self, name), kind):
-                raise TypeError(
-                    f"`{name}` must be a fogkit.optics.{kind.__name__}, got {type(getattr(self, name)).__name__}"
-                )
+            checks.instance(name, getattr(self, name), kind)
         for name in ("detector_noise", "shot_noise", "intensity_noise"):
             checks.non_negative(name, getattr(self, name))
+        ratio = self.loop.half_period / self.coil.transit_time
+        if not 0.9 < ratio < 1.1:
+            warnings.warn(
+                f"`loop.half_period` {self.loop.half_period:.4g} s is {ratio:.3g} times the coil's transit time, "
+                f"{self.coil.transit_time:.4g} s: modulation away from the proper frequency is not modelled",
+                UserWarning,
+                stacklevel=3,
+            )
 
     @property
     def is_noisy(self) -> bool:

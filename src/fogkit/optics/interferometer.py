@@ -40,7 +40,7 @@ def taylor_coefficients(bias: float, degree: int) -> NDArray[np.float64]:
     bias : float
         Phase of the working point, rad, e.g. plus or minus the modulation depth.
     degree : int
-        Highest power kept, 0 or more.
+        Highest power kept, 0 to 150.
 
     Returns
     -------
@@ -50,7 +50,7 @@ def taylor_coefficients(bias: float, degree: int) -> NDArray[np.float64]:
     Raises
     ------
     ValueError
-        If `degree` is negative or not whole.
+        If `degree` is negative, above 150 or not whole.
 
     Examples
     --------
@@ -58,6 +58,8 @@ def taylor_coefficients(bias: float, degree: int) -> NDArray[np.float64]:
     [0.5, -0.5, -0.0, 0.0833]
     """
     degree = checks.integer("degree", degree, minimum=0)
+    if degree > 150:
+        raise ValueError(f"`degree` must be at most 150, beyond which factorials overflow, got {degree}")
     orders = np.arange(degree + 1)
     factorials = np.array([math.factorial(j) for j in orders], dtype=float)
     # the j-th derivative of cos(x) is cos(x + j pi / 2)

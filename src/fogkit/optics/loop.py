@@ -86,7 +86,7 @@ class Loop:
     v_pi_error: float = 0.0
 
     def __post_init__(self) -> None:
-        checks.in_open_interval("depth", self.depth, 0.0, np.pi, "rad")
+        checks.in_open_interval("depth", self.depth, 0.0, np.pi, "rad", fix="Multiply degrees by `fogkit.units.DEG`")
         checks.positive("half_period", self.half_period, "s")
         checks.integer("half_periods", self.half_periods, minimum=2, even=True)
         checks.integer("delay", self.delay, minimum=0)
@@ -192,6 +192,9 @@ def stable_gains(second_gain: float = 0.0, delay: int = 0) -> tuple[float, float
     >>> [round(x, 6) for x in stable_gains(delay=1)]
     [0.0, 1.0]
     """
+    second_gain = checks.non_negative("second_gain", second_gain)
+    delay = checks.integer("delay", delay, minimum=0)
+
     from scipy.optimize import brentq  # here, since SciPy's optimisers are slow to load
 
     # z**d (z - 1)**2 + gain (z - 1) + second_gain z = 0 at z = exp(j theta) has a real gain where `imaginary` is 0

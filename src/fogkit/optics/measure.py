@@ -18,13 +18,14 @@ from fogkit.optics.compensation import AfterLoop, InsideLoop, after_loop
 from fogkit.optics.gyro import ClosedLoopGyro
 from fogkit.optics.motion import AngularOscillation, Motion, Ramp
 from fogkit.optics.simulate import LoopRecord, run, stream
+from fogkit.results import Record
 
 WINDOW_POWER = 6
 """Power of the sine that weights a record: its spectrum falls with the seventh power of the number of cycles."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class DriftMeasurement:
+class DriftMeasurement(Record):
     """Mean reading of a shaken gyro.
 
     Attributes
@@ -33,6 +34,8 @@ class DriftMeasurement:
         Weighted mean of the reading, rad/s.
     standard_deviation : float
         Its standard deviation from detector noise, rad/s; 0 without noise.
+    leakage : float
+        What the window may have left of the oscillation, at most, rad/s.
     duration : float
         Length of the record, s.
     samples : int
@@ -41,6 +44,7 @@ class DriftMeasurement:
 
     drift: float
     standard_deviation: float
+    leakage: float
     duration: float
     samples: int
 
@@ -56,12 +60,28 @@ def windowed_mean(values: ArrayLike) -> float:
     Returns
     -------
     float
-        Weighted mean. An oscillation with N cycles in the record leaks about ``36 / (pi N**7)`` of its amplitude at
-        most.
+        Weighted mean; what it keeps of an oscillation is at most `leakage`.
     """
     values = checks.finite_array("values", values, ndim=1)
     weights = _weights(0, values.size, values.size)
     return float(weights @ values / weights.sum())
+
+
+def leakage(cycles: float) -> float:
+    """Largest share of an oscillation of so many cycles that `windowed_mean` leaves, half-way between its nulls.
+
+    Parameters
+    ----------
+    cycles : float
+        Cycles in the record, more than 3.
+
+    Examples
+    --------
+    >>> f"{leakage(20):.0e}"
+    '9e-09'
+    """
+    checks.in_open_interval("cycles", cycles, 3.0, np.inf)
+    return float(36 / (np.pi * cycles**7) / np.prod(1 - np.arange(1, 4) ** 2 / cycles**2))
 
 
 def harmonic_fit(time: ArrayLike, values: ArrayLike, frequency: float, harmonics: int = 3) -> tuple[float, float]:
@@ -84,7 +104,7 @@ def harmonic_fit(time: ArrayLike, values: ArrayLike, frequency: float, harmonics
     Raises
     ------
     ValueError
-        If the shapes differ or the record has too few readings for the fit.
+        If the shapes differ, the record has too few readings for the fit, or the times do not tell the harmonics apart.
     """
     harmonics = checks.integer("harmonics", harmonics, minimum=1)
     time = checks.finite_array("time", time, ndim=1, min_size=2 * harmonics + 2)
@@ -94,7 +114,12 @@ def harmonic_fit(time: ArrayLike, values: ArrayLike, frequency: float, harmonics
     columns = np.concatenate(
         [np.ones((time.size, 1)), np.cos(angle[:, None] * orders), np.sin(angle[:, None] * orders)], axis=1
     )
-    solution, *_ = np.linalg.lstsq(columns, values, rcond=None)
+    solution, _, rank, _ = np.linalg.lstsq(columns, values, rcond=1e-10)
+    if rank < columns.shape[1]:
+        raise ValueError(
+            f"`time` must tell {harmonics} harmonics of {frequency:.6g} Hz and the mean apart, got times that do not: "
+            "a harmonic is a multiple of the sampling rate, or the record is far shorter than a cycle"
+        )
     scatter = values - columns @ solution
     variance = scatter @ scatter / (time.size - columns.shape[1])
     return float(solution[0]), float(np.sqrt(variance * np.linalg.inv(columns.T @ columns)[0, 0]))
@@ -118,13 +143,19 @@ def nonlinear_error(
     Returns
     -------
     LoopRecord
-        Record whose `rate` and `residual` are the differences: neither the oscillation nor the lag is left in them.
+        Record whose `rate` and `residual` are the differences, and `true_rate` zero: neither oscillation nor lag
+        is left in them.
     """
     silent = _silent(gyro)
     full = run(silent, motion, duration, degree=degree, **options)
     options.pop("compensation", None)
     linear = run(silent, motion, duration, degree=1, **options)
-    return replace(full, rate=full.rate - linear.rate, residual=full.residual - linear.residual)
+    return replace(
+        full,
+        rate=full.rate - linear.rate,
+        residual=full.residual - linear.residual,
+        true_rate=np.zeros_like(full.true_rate),
+    )
 
 
 def simulated_drift(
@@ -144,7 +175,7 @@ def simulated_drift(
     oscillation : AngularOscillation
         Motion of the case.
     duration : float, optional
-        Length of the record, s, at least 10 cycles; by default 60 cycles or 4000 regulation periods, whichever is
+        Length of the record, s, at least 20 cycles; by default 60 cycles or 4000 regulation periods, whichever is
         longer.
     compensation : InsideLoop or AfterLoop, optional
         Remedy against the drift. `AfterLoop` needs the record as a whole, in memory.
@@ -159,14 +190,21 @@ def simulated_drift(
     Raises
     ------
     ValueError
-        If `duration` is shorter than 10 cycles of the oscillation.
+        If `duration` is shorter than 20 cycles of the oscillation.
+    TypeError
+        If `oscillation` is another motion: its mean would need another window.
     """
+    checks.instance("gyro", gyro, ClosedLoopGyro)
+    checks.instance(
+        "oscillation", oscillation, AngularOscillation, fix="Use `simulate.run` and `windowed_mean` for others"
+    )
     period = gyro.loop.regulation_period
     if duration is None:
         duration = max(60 / oscillation.frequency, 4000 * period)
-    if duration * oscillation.frequency < 10:
+    cycles = checks.positive("duration", duration, "s") * oscillation.frequency
+    if cycles < 20:
         raise ValueError(
-            f"`duration` must be at least 10 cycles of the oscillation, {10 / oscillation.frequency:.6g} s, "
+            f"`duration` must be at least 20 cycles of the oscillation, {20 / oscillation.frequency:.6g} s, "
             f"got {duration:.6g} s: "
             "a shorter record mixes the oscillation into its mean"
         )
@@ -188,6 +226,7 @@ def simulated_drift(
     return DriftMeasurement(
         drift=float(total / weight),
         standard_deviation=float(noise),
+        leakage=oscillation.rate_amplitude * leakage(cycles),
         duration=periods * period,
         samples=periods * gyro.loop.half_periods,
     )

@@ -43,9 +43,9 @@ class AngularOscillation:
     phase: float = 0.0
 
     def __post_init__(self) -> None:
-        checks.in_closed_interval("acceleration", self.acceleration, -np.inf, np.inf, "rad/s^2")
+        checks.finite("acceleration", self.acceleration, "rad/s^2")
         checks.positive("frequency", self.frequency, "Hz")
-        checks.in_closed_interval("phase", self.phase, -np.inf, np.inf, "rad")
+        checks.finite("phase", self.phase, "rad")
 
     @property
     def rate_amplitude(self) -> float:
@@ -56,6 +56,11 @@ class AngularOscillation:
         """See `Motion.sample`."""
         rates = np.empty(count)
         cycles_per_sample = self.frequency * step
+        if cycles_per_sample > 0.5:
+            raise ValueError(
+                f"`frequency` must be at most {0.5 / step:.6g} Hz, half the sampling rate, got {self.frequency:.6g}: "
+                "the gyro samples its input once per half-period"
+            )
         first_cycle = ((first + 0.5) * cycles_per_sample + self.phase / (2 * np.pi)) % 1.0
         _kernels.sinusoid(self.rate_amplitude, cycles_per_sample, first_cycle, rates)
         return rates
@@ -82,8 +87,8 @@ class Ramp:
     rate: float = 0.0
 
     def __post_init__(self) -> None:
-        checks.in_closed_interval("acceleration", self.acceleration, -np.inf, np.inf, "rad/s^2")
-        checks.in_closed_interval("rate", self.rate, -np.inf, np.inf, "rad/s")
+        checks.finite("acceleration", self.acceleration, "rad/s^2")
+        checks.finite("rate", self.rate, "rad/s")
 
     def sample(self, first: int, count: int, step: float) -> NDArray[np.float64]:
         """See `Motion.sample`."""
@@ -103,7 +108,7 @@ class SampledMotion:
     rates: ArrayLike
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "rates", checks.finite_array("rates", self.rates, ndim=1))
+        object.__setattr__(self, "rates", checks.finite_array("motion", self.rates, ndim=1))
 
     def sample(self, first: int, count: int, step: float) -> NDArray[np.float64]:
         """See `Motion.sample`; `step` is not looked at."""
@@ -133,10 +138,16 @@ def as_motion(motion: Motion | Callable | ArrayLike) -> Motion:
     Raises
     ------
     TypeError
-        If `motion` is a string or nothing that holds numbers.
+        If `motion` is a class, a string or nothing that holds numbers.
     ValueError
         If an array is empty, of other than one axis, or not finite.
     """
+    if isinstance(motion, type):
+        raise TypeError(
+            f"`motion` must be a motion, got the class {motion.__name__}. Make one of it with its parameters"
+        )
+    if hasattr(motion, "__array__"):  # pandas objects have a `sample` of their own, which draws at random
+        return SampledMotion(np.asarray(motion))
     if hasattr(motion, "sample"):
         return motion
     return FunctionMotion(motion) if callable(motion) else SampledMotion(motion)

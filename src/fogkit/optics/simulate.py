@@ -42,6 +42,11 @@ class FringeLockError(RuntimeError):
         self.time = time
         self.rate = rate
 
+    def __reduce__(
+        self,
+    ) -> tuple:  # an exception is rebuilt from its message otherwise, and dies on its way out of a pool
+        return type(self), (self.time, self.rate)
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LoopRecord:
@@ -63,15 +68,24 @@ class LoopRecord:
         2-pi resets of the ramp from the start of the simulation to the end of the record.
     lock_lost_at : float
         Time at which fringe lock was lost, s, or NaN; all later readings are NaN.
+
+    Notes
+    -----
+    A record of a real gyro has no `true_rate`, `resets` and `lock_lost_at`: left out, they are NaN.
     """
 
     gyro: ClosedLoopGyro
     time: NDArray[np.float64]
     rate: NDArray[np.float64]
     residual: NDArray[np.float64]
-    true_rate: NDArray[np.float64]
-    resets: float
-    lock_lost_at: float
+    true_rate: NDArray[np.float64] | None = None
+    resets: float = np.nan
+    lock_lost_at: float = np.nan
+
+    def __post_init__(self) -> None:
+        checks.instance("gyro", self.gyro, ClosedLoopGyro)
+        if self.true_rate is None:
+            object.__setattr__(self, "true_rate", np.full(np.shape(self.rate), np.nan))
 
     @property
     def error(self) -> NDArray[np.float64]:
@@ -170,6 +184,7 @@ def stream(
     FringeLockError
         If fringe lock is lost and `on_lock_loss` is ``"raise"``.
     """
+    checks.instance("gyro", gyro, ClosedLoopGyro)
     motion = as_motion(motion)
     periods = _whole_periods(gyro, motion, duration)
     checks.option("on_lock_loss", on_lock_loss, ("raise", "nan"))
@@ -188,11 +203,7 @@ def _blocks(gyro, motion, periods, parameters, rng, initial_rate, on_lock_loss) 
         count = min(max(1, SAMPLES_PER_BLOCK // k), periods - first)
         rates = motion.sample(first * k, count * k, loop.half_period)
         if first == 0:
-            start = (
-                rates[0]
-                if initial_rate is None
-                else checks.in_closed_interval("initial_rate", initial_rate, -np.inf, np.inf)
-            )
+            start = rates[0] if initial_rate is None else checks.finite("initial_rate", initial_rate, "rad/s")
             state[0] = to_phase * start
         true_rate = np.empty(count)
         _kernels.period_means(rates, k, true_rate)
@@ -232,7 +243,7 @@ def _whole_periods(gyro: ClosedLoopGyro, motion: Motion, duration: float | None)
             raise ValueError(
                 f"`motion` must hold a whole number of regulation periods of {k} half-periods, "
                 f"got {len(motion.rates)} rates. "
-                f"Drop the last {left} or add {k - left}"
+                + (f"Drop the last {left} or add {k - left}" if periods else f"Add {k - left}")
             )
         return periods
     if duration is None:

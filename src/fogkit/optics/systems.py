@@ -16,6 +16,7 @@ from fogkit import checks
 from fogkit.optics.gyro import ClosedLoopGyro
 from fogkit.optics.interferometer import power, taylor_power
 from fogkit.optics.loop import Loop, stable_gains
+from fogkit.results import Record
 
 if TYPE_CHECKING:
     from control import NonlinearIOSystem, StateSpace
@@ -42,6 +43,7 @@ def open_loop(loop: Loop) -> "StateSpace":
     """
     import control
 
+    checks.instance("loop", loop, Loop)
     second, delay = int(loop.second_gain > 0), loop.delay
     n = 1 + second + delay
     A, B, C = np.zeros((n, n)), np.zeros((n, 1)), np.zeros((1, n))
@@ -81,7 +83,7 @@ def error_function(loop: Loop) -> "StateSpace":
 
 
 @dataclass(frozen=True, kw_only=True)
-class LoopFigures:
+class LoopFigures(Record):
     """What a designer asks of a loop.
 
     Attributes
@@ -120,7 +122,7 @@ def figures(loop: Loop, points: int = 20001) -> LoopFigures:
     LoopFigures
         The figures; the averaging over the regulation period, which is the same for all loops, is not in them.
     """
-    nyquist = 0.5 / loop.regulation_period
+    nyquist = 0.5 / checks.instance("loop", loop, Loop).regulation_period
     grid = np.linspace(nyquist / checks.integer("points", points, minimum=100), nyquist, points)
 
     def open_gain(frequency):
@@ -179,10 +181,16 @@ def nonlinear_system(gyro: ClosedLoopGyro, *, degree: int | None = None) -> "Non
         and ramp, rad; demodulator sum; index of the half-period within the bias pattern; residuals waiting. It starts
         at rest from zero states, and equals `simulate.run` with ``initial_rate=0`` sample by sample; there is no watch
         on fringe lock.
+
+    Notes
+    -----
+    ``control.interconnect`` wants ``check_unused=False`` where an output or ``power_noise`` is left open.
     """
     import control
 
-    loop, to_phase = gyro.loop, gyro.coil.sagnac_scale_factor
+    loop, to_phase = checks.instance("gyro", gyro, ClosedLoopGyro).loop, gyro.coil.sagnac_scale_factor
+    if degree is not None:
+        degree = checks.integer("degree", degree, minimum=1)
     pattern = loop.bias_pattern.ravel()
     k, delay, scale = loop.half_periods, loop.delay, 1.0 + loop.v_pi_error
 
