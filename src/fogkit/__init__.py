@@ -50,8 +50,8 @@ import importlib
 __version__ = "0.1.0"
 
 _MODULES = {
-    *("campaign", "checks", "claims", "constants", "earth", "optics", "plotting"),
-    *("reproduction", "results", "rotation", "units"),
+    *("calibration", "campaign", "checks", "claims", "constants", "earth", "estimation", "imu", "optics", "plotting"),
+    *("reproduction", "results", "rotation", "stand", "units"),
 }
 
 

@@ -1,4 +1,4 @@
-"""Truth from outside: certified NIST data sets, exact rationals, numpy and scipy, and Monte Carlo."""
+"""Truth from outside: a certified NIST polynomial, exact rationals, numpy and scipy, and Monte Carlo."""
 
 import warnings
 
@@ -15,36 +15,18 @@ from fogkit.estimation.consistency import chi_square_interval, nees, ratio_inter
 
 SEEDS = st.integers(0, 2**32 - 1)
 
-# NIST Statistical Reference Datasets, https://www.itl.nist.gov/div898/strd/: data and certified values.
-NORRIS = np.array(
-    """0.1 0.2 338.8 337.4 118.1 118.2 888.0 884.6 9.2 10.1 228.1 226.5 668.5 666.3 998.5 996.3 449.1 448.6 778.9 777.0
-    559.2 558.2 0.3 0.4 0.1 0.6 778.1 775.5 668.8 666.9 339.3 338.0 448.9 447.5 10.8 11.6 557.7 556.0 228.3 228.1
-    998.0 995.8 888.8 887.6 119.6 120.2 0.3 0.3 0.6 0.3 557.6 556.8 339.3 339.1 888.0 887.2 998.5 999.0 778.9 779.0
-    10.2 11.1 117.6 118.3 228.9 229.2 668.4 669.1 449.2 448.9 0.2 0.5""".split(),
-    dtype=float,
-).reshape(-1, 2)
-LONGLEY = np.array(
-    """60323 83.0 234289 2356 1590 107608 1947 61122 88.5 259426 2325 1456 108632 1948
-    60171 88.2 258054 3682 1616 109773 1949 61187 89.5 284599 3351 1650 110929 1950
-    63221 96.2 328975 2099 3099 112075 1951 63639 98.1 346999 1932 3594 113270 1952
-    64989 99.0 365385 1870 3547 115094 1953 63761 100.0 363112 3578 3350 116219 1954
-    66019 101.2 397469 2904 3048 117388 1955 67857 104.6 419180 2822 2857 118734 1956
-    68169 108.4 442769 2936 2798 120445 1957 66513 110.8 444546 4681 2637 121950 1958
-    68655 112.6 482704 3813 2552 123366 1959 69564 114.2 502601 3931 2514 125368 1960
-    69331 115.7 518173 4806 2572 127852 1961 70551 116.9 554894 4007 2827 130081 1962""".split(),
-    dtype=float,
-).reshape(-1, 7)
-MISRA1A_Y = np.array([10.07, 14.73, 17.94, 23.93, 29.61, 35.18, 40.02, 44.82, 50.76, 55.05, 61.01, 66.40, 75.47, 81.78])
-MISRA1A_X = np.array([77.6, 114.9, 141.1, 190.8, 239.9, 289.0, 332.8, 378.4, 434.8, 477.3, 536.8, 593.1, 689.1, 760.0])
+# of the saturation curve that several tests fit
+SATURATION_X = np.linspace(80, 760, 14)
+SATURATION_Y = 240 * (1 - np.exp(-5.5e-4 * SATURATION_X)) + 0.1 * np.cos(7.0 * np.arange(14))
 
 
-def misra1a(b):
-    return MISRA1A_Y - b[0] * (1 - np.exp(-b[1] * MISRA1A_X))
+def saturation(b):
+    return SATURATION_Y - b[0] * (1 - np.exp(-b[1] * SATURATION_X))
 
 
-def misra1a_jacobian(b):
-    decay = np.exp(-b[1] * MISRA1A_X)
-    return -np.stack([1 - decay, b[0] * MISRA1A_X * decay], axis=1)
+def saturation_jacobian(b):
+    decay = np.exp(-b[1] * SATURATION_X)
+    return -np.stack([1 - decay, b[0] * SATURATION_X * decay], axis=1)
 
 
 def random_problem(rng, count=12, parameters=4):
@@ -53,39 +35,44 @@ def random_problem(rng, count=12, parameters=4):
     return rng.standard_normal((count, parameters)), rng.standard_normal(count), root @ root.T
 
 
-def test_norris_certified():
-    line = linear(np.stack([np.ones(36), NORRIS[:, 1]], axis=1), NORRIS[:, 0], names=["b0", "b1"])
-    # certified to 15 digits; rounding times the condition number of 2 and cancellation in b0
-    assert_allclose(line.estimate, [-0.262323073774029, 1.00211681802045], rtol=1e-11)
-    assert_allclose(line.standard_deviation, [0.232818234301152, 0.429796848199937e-3], rtol=1e-12)
-    assert_allclose(line.noise_scale, 0.884796396144373, rtol=1e-12)
-    assert (line.degrees_of_freedom, line.rank, line.scale) == (34, 2, "estimated")
-    assert np.isnan(line.p_value)  # the scatter set the scale, so it tests nothing
+def test_wampler_1():
+    # NIST's generated polynomial: all six coefficients are exactly 1, the residuals zero, the condition number 5e6
+    x = np.arange(21.0)
+    design = x[:, None] ** np.arange(6)
+    fit = linear(design, design.sum(axis=1))
+    # the largest observations, 3e6, are rounded to 5e-10, which the constant and the slope take over
+    assert_allclose(fit.estimate, np.ones(6), rtol=5e-9)
+    assert fit.noise_scale < 1e-8
+    assert np.isnan(fit.p_value)  # the scatter set the scale, so it tests nothing
 
 
-def test_longley_certified():
-    fit = linear(np.column_stack([np.ones(16), LONGLEY[:, 1:]]), LONGLEY[:, 0])
-    certified = [-3482258.63459582, 15.0618722713733, -0.358191792925910e-1, -2.02022980381683, -1.03322686717359]
-    certified += [-0.511041056535807e-1, 1829.15146461355]
-    deviations = [890420.383607373, 84.9149257747669, 0.334910077722432e-1, 0.488399681651699, 0.214274163161675]
-    deviations += [0.226073200069370, 455.478499142212]
-    # condition 43275 with columns of unit length (Belsley's value), 2e-16 of rounding, and 15.06 is small beside its
-    # deviation of 85; normal equations would have lost 1e-7
-    assert_allclose(fit.condition, 43275, rtol=1e-4)
-    assert_allclose(fit.estimate, certified, rtol=1e-9)
-    assert_allclose(fit.standard_deviation, deviations, rtol=1e-10)
-    assert_allclose(fit.noise_scale, 304.854073561965, rtol=1e-11)
+def test_ill_conditioned_design_against_exact_rationals():
+    rng = np.random.default_rng(12)
+    x, y = [sympy.Rational(int(v)) / 8 for v in range(12)], [sympy.Integer(int(v)) for v in rng.integers(-50, 50, 12)]
+    A = sympy.Matrix([[v**j for j in range(6)] for v in x])
+    exact = (A.T * A).inv()
+    b = exact * A.T * sympy.Matrix(y)
+    variance = ((sympy.Matrix(y) - A * b).T * (sympy.Matrix(y) - A * b))[0] / 6
+    fit = linear(np.array(A.tolist(), dtype=float), np.array(y, dtype=float))
+    # condition of some 1e4 with columns of unit length times rounding; normal equations would have lost 1e-8
+    assert_allclose(fit.estimate, [float(v) for v in b], rtol=1e-10)
+    assert_allclose(fit.standard_deviation, [float(sympy.sqrt(variance * exact[i, i])) for i in range(6)], rtol=1e-10)
 
 
 @pytest.mark.parametrize("start", [(500, 1e-4), (250, 5e-4)])
-@pytest.mark.parametrize("jacobian", [None, misra1a_jacobian])
-def test_misra1a_certified(start, jacobian):
-    fit = nonlinear(misra1a, start, jacobian=jacobian, names=["b1", "b2"])
-    # certified to 11 digits; the covariance carries the error 4e-11 of central differences times the condition of 50
-    assert_allclose(fit.estimate, [238.94212918, 5.5015643181e-4], rtol=2e-9)
-    assert_allclose(fit.standard_deviation, [2.7070075241, 7.2668688436e-6], rtol=1e-8)
-    assert_allclose(fit.chi_square, 0.12455138894, rtol=1e-10)
-    assert_allclose(fit.residuals, misra1a(fit.estimate), rtol=0, atol=0)
+@pytest.mark.parametrize("jacobian", [None, saturation_jacobian])
+def test_saturation_curve_as_minpack_has_it(start, jacobian):
+    from scipy.optimize import curve_fit
+
+    def curve(x, b1, b2):
+        return b1 * (1 - np.exp(-b2 * x))
+
+    other, covariance = curve_fit(curve, SATURATION_X, SATURATION_Y, (250, 5e-4), xtol=1e-14, ftol=1e-14)
+    fit = nonlinear(saturation, start, jacobian=jacobian, names=["b1", "b2"])
+    # MINPACK stops at the rounding of the sum of squares, 1e-8 of a deviation; forward differences in its covariance
+    assert_allclose(fit.estimate, other, rtol=1e-6)
+    assert_allclose(fit.standard_deviation, np.sqrt(np.diag(covariance)), rtol=1e-4)
+    assert_allclose(fit.residuals, saturation(fit.estimate), rtol=0, atol=0)
     assert 0 < fit.evaluations < 100
 
 
@@ -383,9 +370,9 @@ def test_search_begins_at_the_start(unit):
 
 def test_no_convergence_is_an_error():
     with pytest.raises(RuntimeError, match="no convergence in 2 evaluations of `residuals` from `start`"):
-        nonlinear(misra1a, [500, 1e-4], max_evaluations=2)
+        nonlinear(saturation, [500, 1e-4], max_evaluations=2)
     with pytest.raises(RuntimeError, match=r"standard deviations from where .* Check `jacobian`"):
-        nonlinear(misra1a, [250, 5e-4], jacobian=lambda b: -misra1a_jacobian(b))
+        nonlinear(saturation, [250, 5e-4], jacobian=lambda b: -saturation_jacobian(b))
 
 
 A3, Y3 = [[1, 0], [1, 1], [1, 2]], [1, 2, 4]
