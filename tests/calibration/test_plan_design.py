@@ -149,7 +149,7 @@ def test_fresh_bias_leaves_no_drift_at_rest():
     assert_allclose(with_bias[0], 1.7e-7, rtol=1e-5)
 
 
-@pytest.mark.parametrize(("share", "repeats"), [(0.0, 1), (0.25, 1), (0.25, 3)])
+@pytest.mark.parametrize(("share", "repeats"), [(0.0, 1), (0.27, 1), (0.27, 3)])
 def test_split_plan_fills_the_time_with_whole_turns(share, repeats):
     plan = plan_design.split_plan(PLAIN, HOUR, bias_share=share, rate=FAST, repeats=repeats)
     turning = [s for s in plan.segments if s.turning]

@@ -22,7 +22,7 @@ from fogkit.stand.plans import Plan
 from fogkit.stand.table import GEOMETRY, RateTable
 
 STEP = 1e-4
-"""Step of the central differences, rad or relative: of the model's third derivative it leaves 2e-9, of rounding 1e-12."""
+"""Step of the central differences, rad or relative; third derivatives leave 2e-9 of the result, rounding 1e-12."""
 
 
 def predict(plan: Plan, noise: tuple[GyroTriad, RateTable], *, geometry: Mapping[str, float] | None = None) -> Solution:
