@@ -315,3 +315,19 @@ def test_deviations_of_what_is_written_down():
     assert_allclose(readings, np.outer(rates, 1 / np.array([1.746891, 1.6647465, 1.730351])), rtol=1e-12)
     assert_allclose(angles[:4], 0)
     assert_allclose(angles[4:], np.sqrt(2) * np.hypot(2 * ARCSEC, RATE * 1e-6), rtol=1e-12)
+
+
+@pytest.mark.parametrize("gyro", [0, 1, 2])
+def test_a_gyro_recorded_in_another_unit_is_named(gyro):
+    record = bench.run(plans.three_stage(PLAIN), TRIAD, TABLE)
+    readings = record.readings.copy()
+    readings[:, gyro] /= DEG
+    mixed = bench.BenchRecord(plan=record.plan, latitude=LATITUDE, readings=readings, turned=record.turned)
+    with pytest.raises(ValueError, match=rf"one unit: the scale factor of gyro {'xyz'[gyro]} is 0\.01[678]"):
+        three_stage.calibrate(mixed)
+
+
+def test_angles_in_degrees_are_recognised():
+    record = bench.run(plans.three_stage(PLAIN), TRIAD, TABLE)
+    with pytest.raises(ValueError, match=r"`turned`.*looks like degrees"):
+        bench.BenchRecord(plan=record.plan, latitude=LATITUDE, readings=record.readings, turned=record.turned / DEG)

@@ -23,6 +23,10 @@ MINIMUM_ALONG = 0.999
 """Smallest cosine between a turning axis and the gyro axis it is for: errors of a unit, not of a plan, stay above."""
 
 
+UNIT_RATIO = 10.0
+"""Ratio of scale factors that gyros of one kind do not have, but units do: the smallest of the usual ones is 57."""
+
+
 def calibrate(
     record: BenchRecord, *, approximation: int = 2, noise: tuple[GyroTriad, RateTable] | None = None
 ) -> TriadCalibration:
@@ -45,7 +49,8 @@ def calibrate(
     Raises
     ------
     ValueError
-        If positions or turns are missing that a parameter needs; the message names it.
+        If positions or turns are missing that a parameter needs; the message names it. If the scale factors of the
+        three gyros are of different sizes, as where one was recorded in another unit.
 
     Warns
     -----
@@ -57,6 +62,7 @@ def calibrate(
     _require(record.plan)
     _warn_of_parts(record)
     estimate = _estimate(record, approximation)
+    _check_units(estimate)
     if noise is None:
         return TriadCalibration(estimate=estimate)
     single = (
@@ -66,7 +72,9 @@ def calibrate(
 
 
 def block_tilt(at_zero: TriadCalibration, at_half_turn: TriadCalibration) -> NDArray[np.float64]:
-    """Tilt of a gyro block's axis against the case, from calibrations at two angles of the block.
+    """Tilt of a gyro block's axis against the table's inner axis, from calibrations at two angles of the block.
+
+    A mounting error of the case is in it: the table cannot tell the two apart.
 
     Parameters
     ----------
@@ -167,6 +175,18 @@ def _require(plan: Plan) -> None:
                 raise ValueError(
                     f"`record.plan` must hold a turn about {name} in the direction {sign:+d} for `{scale}`"
                 )
+
+
+def _check_units(estimate: NDArray) -> None:
+    """``ValueError`` where the scale factor of one gyro is of another order of magnitude: mixed units."""
+    scale = np.abs(estimate[..., 3:9]).reshape(-1, 6)[0]
+    odd = int(np.argmax(np.abs(np.log(scale / np.median(scale)))))
+    ratio = scale[odd] / np.median(scale)
+    if not 1 / UNIT_RATIO < ratio < UNIT_RATIO:
+        raise ValueError(
+            f"`record.readings` must be in one unit: the scale factor of gyro {'xyz'[odd % 3]} is {ratio:.4g} times "
+            "the median of all. Convert its readings, or turn the gyro whose readings these are"
+        )
 
 
 def _warn_of_parts(record: BenchRecord) -> None:

@@ -11,6 +11,7 @@ from fogkit.imu.errors import GyroTriad
 from fogkit.imu.readings import mean_readings
 from fogkit.stand.plans import Plan
 from fogkit.stand.table import AXES, RateTable
+from fogkit.units import DEG
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -63,10 +64,12 @@ class BenchRecord:
         off = np.abs(self.turned - commanded) > np.pi
         if off.any():
             i = int(np.argwhere(off)[0][-1])  # the segment of the first angle that is off
+            came = self.turned[off][0]
+            in_degrees = commanded[i] != 0 and abs(came / commanded[i] * DEG - 1) < 0.01
+            fix = "It looks like degrees: multiply by `fogkit.units.DEG`" if in_degrees else "Add the whole turns"
             raise ValueError(
-                f"`turned` must be the whole angle, not one that wraps: segment {i + 1} "
-                f"({self.plan.segments[i].label}) was commanded {commanded[i]:.6g} rad "
-                f"and reads {self.turned[off][0]:.6g} rad. Add the whole turns"
+                f"`turned` must be the whole angle in rad, not one that wraps: segment {i + 1} "
+                f"({self.plan.segments[i].label}) was commanded {commanded[i]:.6g} rad and reads {came:.6g} rad. {fix}"
             )
 
     def to_frame(self) -> "DataFrame":
