@@ -64,18 +64,59 @@ def test_the_reading_after_the_loop_has_no_lag(make_gyro):
     assert abs(corrected.error[-1]) < 1e-5 * abs(record.error[-1])  # sine of a residual of 4e-3 rad
 
 
-@pytest.mark.parametrize("gain", [0.3, 1.0])
+@pytest.mark.parametrize(
+    "loop",
+    [
+        {"gain": 0.3},
+        {"gain": 1.0},
+        {"gain": 0.4, "delay": 1},
+        {"gain": 0.5, "second_gain": 0.2},
+        {"bias_order": "plus-minus"},
+    ],
+)
 @pytest.mark.parametrize(
     "remedy",
-    [AfterLoop(), AfterLoop(acceleration="ahead"), InsideLoop(lag=0), InsideLoop(lag=1), InsideLoop(lag=2)],
+    [AfterLoop(), AfterLoop(acceleration="ahead"), InsideLoop(lag=0), InsideLoop(lag=1, depth=2.2), InsideLoop(lag=2)],
 )
-def test_bias_from_noise_is_the_one_predicted(make_gyro, gain, remedy):
+def test_bias_from_noise_is_the_one_predicted(make_gyro, loop, remedy):
     # noise so strong that the bias is far above the scatter of the mean, small enough for a linear response
-    gyro = make_gyro(detector_noise=0.02, gain=gain)
+    gyro = make_gyro(detector_noise=0.02, **loop)
     predicted = compensation.noise_bias(gyro, remedy)
     simulated, deviation = measure.simulated_noise_bias(gyro, remedy, np.random.default_rng(7), duration=0.8)
     # 4 sigma of 16 runs, and the third moment of the noise through the loop's own sine, its variance 1e-4
     assert abs(simulated - predicted) < 4 * deviation + 0.02 * abs(predicted)
+
+
+@pytest.mark.parametrize("remedy", [InsideLoop(), InsideLoop(lag=1), InsideLoop(lag=1, law="full")])
+def test_the_increment_is_the_whole_one_and_its_memory_is_its_own(make_gyro, remedy):
+    # under constant acceleration every period asks for the same increment, whatever part of it the second integrator
+    # or a delay holds: with the full law the reading is that of the linear loop
+    for loop in ({"gain": 0.4, "delay": 2}, {"gain": 0.5, "second_gain": 0.1}):
+        gyro = make_gyro(**loop)
+        plain, left = (
+            sum(
+                measure.nonlinear_error(gyro, Ramp(acceleration=sign * 20000 * DEG), 0.05, compensation=used).rate[-1]
+                for sign in (1, -1)
+            )
+            for used in (None, remedy)
+        )
+        # in the sum over both directions the quadratic law leaves the fourth degree, the residual squared: 0.01
+        assert abs(left) < 0.05 * abs(plain) + 1e-12
+
+
+def test_alternating_records_are_corrected_with_the_sign_of_their_row(make_gyro):
+    gyro = make_gyro(bias_order="alternating")
+    record = simulate.run(gyro, Ramp(acceleration=20000 * DEG), 0.03, degree=2)
+    corrected = compensation.after_loop(record, AfterLoop())
+    # the reading of each period is off to its own side without the remedy
+    before = np.abs(np.diff((record.rate + record.residual - record.true_rate)[-20:])).max()
+    assert np.abs(np.diff(corrected.error[-20:])).max() < 0.05 * before
+
+
+def test_a_remedy_with_nothing_to_act_on_warns(make_gyro):
+    gyro = make_gyro(bias_order="mirrored")
+    with pytest.warns(UserWarning, match="takes nothing out"):
+        simulate.run(gyro, np.zeros(64), compensation=InsideLoop())
 
 
 def test_noise_bias_in_the_cases_that_can_be_done_by_hand(make_gyro):

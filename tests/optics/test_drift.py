@@ -159,3 +159,23 @@ def test_a_mirrored_vibration_makes_no_drift_in_the_alternating_order_at_any_amp
     oscillation = AngularOscillation(acceleration=acceleration * DEG, frequency=60, phase=0.4)
     measured = measure.simulated_drift(gyro, oscillation, 2.0)
     assert abs(measured.drift) < 1e-10 * oscillation.rate_amplitude  # leakage of the window, 120 cycles: 4e-14
+
+
+@pytest.mark.parametrize("law", [drift.steady_drift, drift.full_response_drift, drift.drift_from_rest])
+def test_laws_refuse_a_drive_with_an_error(make_gyro, law):
+    with pytest.raises(ValueError, match="v_pi_error"):
+        law(make_gyro(v_pi_error=0.01), 1.0)
+
+
+def test_an_order_that_changes_is_judged_row_by_row(make_gyro):
+    # two rows, the first with twice the moment of the second: the first demodulation, and the mean of both
+    rows = [[-1, 1, -1, 1], [-1, 1, 1, -1]]
+    gyro = make_gyro(half_periods=4, bias_order=rows)
+    alone = [make_gyro(half_periods=4, bias_order=[row]) for row in rows]
+    times = (np.arange(4) + 0.5) * 5e-6
+    assert_allclose(drift.drift_of_states(gyro, 1.0, times), drift.drift_of_states(alone[0], 1.0, times), rtol=1e-12)
+    mean = np.mean([drift.vibration_drift(one, 1.0, 60.0) for one in alone])
+    assert_allclose(drift.vibration_drift(gyro, 1.0, 60.0), mean, rtol=1e-12)
+    oscillation = AngularOscillation(acceleration=PAPER, frequency=60)
+    measured = measure.simulated_drift(gyro, oscillation, degree=2)
+    assert_allclose(measured.drift, drift.vibration_drift(gyro, PAPER, 60.0), rtol=1e-4)

@@ -141,3 +141,9 @@ def test_harmonics_that_the_samples_cannot_tell_apart_are_refused():
     time = np.arange(100) * 0.01
     with pytest.raises(ValueError, match="`time`"):
         measure.harmonic_fit(time, np.zeros(100), 100.0)
+
+
+def test_duration_and_samples_are_those_that_were_run(make_gyro):
+    measured = measure.simulated_drift(make_gyro(), OSCILLATION, 0.5)
+    assert_allclose(measured.duration, 0.5, rtol=1e-12)
+    assert measured.samples == 100_000

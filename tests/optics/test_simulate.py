@@ -266,3 +266,48 @@ def test_a_record_of_a_real_gyro_needs_no_truth(make_gyro):
 def test_a_half_period_away_from_the_transit_time_warns(make_gyro):
     with pytest.warns(UserWarning, match="transit time"):
         make_gyro(half_period=7e-6)
+
+
+@pytest.mark.parametrize("depth", [1.0, 3 * np.pi / 4])
+@pytest.mark.parametrize("v_pi_error", [-0.02, 0.02])
+def test_angle_random_walk_follows_the_actual_slope(make_gyro, depth, v_pi_error):
+    # at a constant zero rate there are no resets, and the loop averages its noise to zero with the slope that it has
+    gyro = make_gyro(detector_noise=1e-3, depth=depth, v_pi_error=v_pi_error)
+    exact = make_gyro(detector_noise=1e-3, depth=depth * (1 + v_pi_error))
+    assert_allclose(gyro.angle_random_walk, exact.angle_random_walk, rtol=1e-12)
+
+
+def test_weak_noise_of_any_kind_counts(make_gyro):
+    for kind in ("detector_noise", "shot_noise", "intensity_noise"):
+        gyro = make_gyro(**{kind: 1e-9})
+        assert gyro.is_noisy
+        record = simulate.run(gyro, np.zeros(160), rng=np.random.default_rng(0))
+        assert np.abs(record.residual[1:]).max() > 0
+
+
+def test_time_of_a_late_loss_of_lock_is_counted_from_the_start(make_gyro, monkeypatch):
+    monkeypatch.setattr(simulate, "SAMPLES_PER_BLOCK", 16 * 10)
+    rates = np.zeros(16 * 100)
+    rates[16 * 57 + 3 :] = 3.0
+    record = simulate.run(make_gyro(), rates, on_lock_loss="nan")
+    assert_allclose(record.lock_lost_at, (16 * 57 + 3) * 5e-6, rtol=1e-12)
+
+
+def test_resets_are_counted_in_either_direction(make_gyro):
+    forth, back = (simulate.run(make_gyro(), np.full(16 * 500, rate)).resets for rate in (0.4, -0.4))
+    assert abs(forth - back) <= 1 and forth > 100
+
+
+def test_a_motion_of_ones_own_is_checked(make_gyro):
+    class Short:
+        def sample(self, first, count, step):
+            return np.zeros(count - 1)
+
+    with pytest.raises(ValueError, match="`motion`"):
+        simulate.run(make_gyro(), Short(), 0.01)
+
+
+def test_whole_floats_count_as_whole(make_gyro):
+    gyro = make_gyro(half_periods=16.0, delay=1.0, gain=0.4)
+    assert isinstance(gyro.loop.half_periods, int) and isinstance(gyro.loop.delay, int)
+    assert simulate.run(gyro, np.zeros(64)).rate.size == 4

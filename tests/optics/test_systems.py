@@ -138,3 +138,21 @@ def test_phase_margin_and_crossover_are_those_of_control(make_gyro):
         ours = systems.figures(loop)
         assert_allclose(np.rad2deg(ours.phase_margin), phase_margin, rtol=1e-6)
         assert_allclose(2 * np.pi * ours.gain_crossover, crossover, rtol=1e-6)
+
+
+def test_peak_is_that_of_the_closed_loop(make_gyro):
+    loop = make_gyro(gain=0.4, delay=2).loop
+    frequency = np.linspace(1, 6250, 50_000)
+    response = control.frequency_response(systems.closed_loop(loop), 2 * np.pi * frequency).magnitude
+    assert_allclose(systems.figures(loop).peak, response.max(), rtol=1e-5)  # two grids on a smooth maximum
+
+
+def test_outputs_of_the_nonlinear_system_are_phase_and_power(make_gyro):
+    gyro = make_gyro()
+    t = np.arange(4) * gyro.loop.half_period
+    noise = np.array([0.0, 0.1, 0.0, 0.0])
+    response = control.input_output_response(systems.nonlinear_system(gyro), t, np.vstack([np.full(4, 0.2), noise]))
+    phase = gyro.coil.phase(0.2)
+    bias = gyro.loop.depth * np.array([-1, 1, -1, 1])
+    assert_allclose(response.outputs[1], phase, rtol=1e-12)
+    assert_allclose(response.outputs[2], 0.5 * (1 + np.cos(phase + bias)) + noise, atol=1e-14)

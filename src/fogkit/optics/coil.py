@@ -55,7 +55,7 @@ class Coil:
 
     def __post_init__(self) -> None:
         for name in ("length", "diameter", "wavelength"):
-            checks.positive(name, getattr(self, name), "m")
+            object.__setattr__(self, name, checks.positive(name, getattr(self, name), "m"))
         checks.in_closed_interval("index", self.index, 1.0, np.inf)
         if self.diameter > 10 or self.length > 1e6:
             raise ValueError(

@@ -12,6 +12,7 @@ reached the residual.
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -120,6 +121,7 @@ def after_loop(record: LoopRecord, remedy: AfterLoop) -> LoopRecord:
     from fogkit.optics import _kernels  # here, since `numba` is slow to load
 
     checks.instance("remedy", remedy, AfterLoop)
+    warn_if_idle(record.gyro)
     law = _kernels.LAWS[remedy.law]
     early, late, factor = ACCELERATIONS[remedy.acceleration]
     loop, coil = record.gyro.loop, record.gyro.coil
@@ -144,6 +146,16 @@ def after_loop(record: LoopRecord, remedy: AfterLoop) -> LoopRecord:
         residual=coil.rate(corrected)[kept],
         true_rate=record.true_rate[kept],
     )
+
+
+def warn_if_idle(gyro: ClosedLoopGyro) -> None:
+    """Warn that a remedy has nothing to act on where the order of the bias states has no first moment."""
+    if not gyro.loop.order_signs.any():
+        warnings.warn(
+            f"the order of the bias states {gyro.loop.bias_order!r} has no first moment: the remedy takes nothing out",
+            UserWarning,
+            stacklevel=4,
+        )
 
 
 def believed_depth(gyro: ClosedLoopGyro, remedy: InsideLoop | AfterLoop) -> float:

@@ -5,6 +5,8 @@ between them, the curvature does not cancel, and the demodulated rate is off by 
 t_i^2)`` with the bias states b_i = -1, +1 at the times t_i (miklyashev eqs. (5), (6)). The sign of the
 acceleration drops out, so that vibration makes a bias.
 
+The laws hold for a drive without error (`Loop.v_pi_error` 0), and raise otherwise.
+
 The functions carry the sign that follows from the paper's own eq. (6) with the negative state first. Its printed eqs.
 (8) and (11) have lost it; see the errata of the book.
 """
@@ -214,15 +216,21 @@ def full_response_drift(gyro: ClosedLoopGyro, acceleration: ArrayLike) -> NDArra
     pairs = loop.half_periods // 2
     offsets = 4 * half_step[..., None] * (np.arange(pairs) - 0.5 * (pairs - 1))
     spread = np.cos(offsets).mean(axis=-1)  # mean of sin(lag + offset) over sin(lag)
-    gain = np.sin(loop.actual_depth - signs[0] * half_step) / np.sin(loop.depth)
+    _curvature(gyro)  # refuses a drive with an error
+    gain = np.sin(loop.depth - signs[0] * half_step) / np.sin(loop.depth)
     with np.errstate(invalid="ignore"):
         return (lag - np.arcsin(lag / (gain * spread))) / to_phase
 
 
 def _curvature(gyro: ClosedLoopGyro) -> float:
-    """``cot(depth) S`` for the actual depth under the nominal demodulation, s."""
+    """``cot(depth) S``, s; ``ValueError`` for a drive with an error, whose resets the laws do not know."""
     loop = checks.instance("gyro", gyro, ClosedLoopGyro).loop
-    return np.cos(loop.actual_depth) / np.sin(loop.depth) * gyro.coil.sagnac_scale_factor
+    if loop.v_pi_error:
+        raise ValueError(
+            f"`gyro.loop.v_pi_error` must be 0 for the drift laws, got {loop.v_pi_error}: wrong 2-pi resets "
+            "shake the loop themselves. Use `measure.simulated_drift`"
+        )
+    return gyro.coil.sagnac_scale_factor / np.tan(loop.depth)
 
 
 def _steady(gyro: ClosedLoopGyro) -> float:

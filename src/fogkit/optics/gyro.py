@@ -80,4 +80,5 @@ class ClosedLoopGyro:
     @property
     def angle_random_walk(self) -> float:
         """Angle random walk from the detector noise, rad/sqrt(s); the two-sided rate noise density is its square."""
-        return self.residual_noise * np.sqrt(self.loop.regulation_period) / self.coil.sagnac_scale_factor
+        slope = np.sin(self.loop.actual_depth) / np.sin(self.loop.depth)  # the loop nulls with the actual slope
+        return self.residual_noise / slope * np.sqrt(self.loop.regulation_period) / self.coil.sagnac_scale_factor

@@ -7,7 +7,8 @@ feedback once::
     feedback[i + 1] = feedback[i] + gain * residual[i - delay] + second[i + 1]
 
 so that the open loop from residual to feedback is ``z**-delay (gain + second_gain z / (z - 1)) / (z - 1)``. A `gain` of
-1 closes on the whole estimated error at once; the second integrator removes the lag under constant acceleration.
+1 closes on the whole estimated error at once; the second integrator removes the lag under constant acceleration. The
+linear model is that of a drive without error.
 """
 
 from __future__ import annotations
@@ -88,8 +89,11 @@ class Loop:
     def __post_init__(self) -> None:
         checks.in_open_interval("depth", self.depth, 0.0, np.pi, "rad", fix="Multiply degrees by `fogkit.units.DEG`")
         checks.positive("half_period", self.half_period, "s")
-        checks.integer("half_periods", self.half_periods, minimum=2, even=True)
-        checks.integer("delay", self.delay, minimum=0)
+        # whole floats pass the checks and are kept as integers
+        object.__setattr__(
+            self, "half_periods", checks.integer("half_periods", self.half_periods, minimum=2, even=True)
+        )
+        object.__setattr__(self, "delay", checks.integer("delay", self.delay, minimum=0))
         checks.in_open_interval("v_pi_error", self.v_pi_error, -0.5, 0.5)
         checks.in_open_interval("depth * (1 + v_pi_error)", self.depth * (1 + self.v_pi_error), 0.0, np.pi, "rad")
         self._check_stability()
@@ -194,6 +198,10 @@ def stable_gains(second_gain: float = 0.0, delay: int = 0) -> tuple[float, float
     """
     second_gain = checks.non_negative("second_gain", second_gain)
     delay = checks.integer("delay", delay, minimum=0)
+    if second_gain == 0:
+        return 0.0, float(2 * np.sin(np.pi / (4 * delay + 2)))
+    if delay > 50:
+        raise ValueError(f"`delay` must be at most 50 with a second integrator, got {delay}")
 
     from scipy.optimize import brentq  # here, since SciPy's optimisers are slow to load
 

@@ -4,8 +4,7 @@ In half-period n the wave pair carries the Sagnac phase of the rate at its middl
 of the state that is due, and the detector sees `interferometer.power` of that. After k half-periods the controller of
 `loop` corrects the feedback. The feedback is a phase ramp with 2-pi resets; a wrong drive voltage (`Loop.v_pi_error`)
 makes its steps, its resets and the bias too large by the same factor. The rate is taken as constant during a
-half-period:
-its mean over the transit time differs from its middle by ``(pi f tau)**2 / 6``, 6e-7 at 125 Hz and 4e-5 at 1 kHz.
+half-period: its mean over the transit time differs from its middle by ``(pi f tau)**2 / 6``, 4e-5 at 1 kHz.
 """
 
 from collections.abc import Callable, Iterator
@@ -17,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fogkit import checks
 from fogkit.optics import _kernels
-from fogkit.optics.compensation import InsideLoop
+from fogkit.optics.compensation import InsideLoop, warn_if_idle
 from fogkit.optics.gyro import ClosedLoopGyro
 from fogkit.optics.interferometer import taylor_coefficients
 from fogkit.optics.motion import Motion, SampledMotion, as_motion
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
 
 SAMPLES_PER_BLOCK = 65536
 LOCK_LIMIT = np.pi
-"""Residual phase at which the pull of the loop changes sign, rad: beyond it the loop runs to another fringe."""
+"""Residual phase at which the pull of the loop changes sign, rad: beyond it the loop is drawn to another fringe."""
 
 
 class FringeLockError(RuntimeError):
@@ -202,6 +201,7 @@ def _blocks(gyro, motion, periods, parameters, rng, initial_rate, on_lock_loss) 
     for first in range(0, periods, max(1, SAMPLES_PER_BLOCK // k)):
         count = min(max(1, SAMPLES_PER_BLOCK // k), periods - first)
         rates = motion.sample(first * k, count * k, loop.half_period)
+        rates = checks.finite_array("motion", rates, shape=(count * k,))
         if first == 0:
             start = rates[0] if initial_rate is None else checks.finite("initial_rate", initial_rate, "rad/s")
             state[0] = to_phase * start
@@ -266,6 +266,8 @@ def _kernel_parameters(gyro: ClosedLoopGyro, degree: int | None, compensation: I
         degree = checks.integer("degree", degree, minimum=1)
         taylor = tuple(taylor_coefficients(sign * loop.actual_depth, degree) for sign in (-1, 1))
     inside = InsideLoop() if compensation is None else compensation
+    if compensation is not None:
+        warn_if_idle(gyro)
     if not isinstance(inside, InsideLoop):
         raise TypeError(
             f"`compensation` must be an InsideLoop, got {type(inside).__name__}. "

@@ -123,7 +123,8 @@ def figures(loop: Loop, points: int = 20001) -> LoopFigures:
         The figures; the averaging over the regulation period, which is the same for all loops, is not in them.
     """
     nyquist = 0.5 / checks.instance("loop", loop, Loop).regulation_period
-    grid = np.linspace(nyquist / checks.integer("points", points, minimum=100), nyquist, points)
+    points = checks.integer("points", points, minimum=100)
+    grid = np.linspace(nyquist / points, nyquist, points)
 
     def open_gain(frequency):
         return np.abs(loop.open_loop_response(frequency)) - 1

@@ -14,8 +14,10 @@ import numpy as np
 
 from fogkit.campaign import map_cases
 from fogkit.optics import ClosedLoopGyro, drift
-from fogkit.optics.measure import nonlinear_error, simulated_drift
+from fogkit.optics.interferometer import power
+from fogkit.optics.measure import nonlinear_error, simulated_drift, windowed_mean
 from fogkit.optics.motion import AngularOscillation
+from fogkit.optics.simulate import run
 from fogkit.reproduction.miklyashev.instruments import (
     DEVICES,
     FIGURE_1_ACCELERATION,
@@ -134,6 +136,38 @@ def acceleration_where_models_differ(percent: float = 0.1) -> float:
 
     bounds = np.log(SIMULATED_ACCELERATIONS[[2, -1]])
     return float(np.exp(brentq(excess, *bounds, xtol=1e-4))) / DEG_PER_SECOND_SQUARED
+
+
+def difference_outside_the_loop(acceleration: float) -> float:
+    """Difference of the means if higher degrees act on the demodulation only and not through the loop, percent.
+
+    The residual phase is that of the linear loop, eq. (10), and is demodulated with the exact response and with the
+    second degree: the other way in which the paper's comparison may have been made.
+
+    Parameters
+    ----------
+    acceleration : float
+        Amplitude of the angular acceleration, rad/s^2.
+    """
+    oscillation = AngularOscillation(acceleration=acceleration, frequency=OSCILLATION_FREQUENCY)
+    loop, coil = SIMULATED.loop, SIMULATED.coil
+    linear = run(SIMULATED, oscillation, CYCLES / OSCILLATION_FREQUENCY, degree=1)
+    rates = oscillation.sample(0, linear.rate.size * loop.half_periods, loop.half_period)
+    residual = coil.phase(rates - np.repeat(linear.rate, loop.half_periods))
+    bias = np.tile(loop.bias_pattern[0], linear.rate.size) * loop.depth
+    means = {
+        name: windowed_mean(-np.sign(bias) * light)
+        for name, light in (
+            ("full", power(residual + bias)),
+            ("second", _second_degree(residual, bias)),
+            ("linear", 0.5 * (1 + np.cos(bias) - np.sin(bias) * residual)),
+        )
+    }
+    return float(100 * ((means["full"] - means["linear"]) / (means["second"] - means["linear"]) - 1))
+
+
+def _second_degree(residual: np.ndarray, bias: np.ndarray) -> np.ndarray:
+    return 0.5 * (1 + np.cos(bias) - np.sin(bias) * residual - 0.5 * np.cos(bias) * residual**2)
 
 
 def wavelengths_that_round_to_the_print() -> tuple[float, float]:
