@@ -27,8 +27,10 @@ book: $(ENVIRONMENT)
 	$(BIN)/jupyter-book build book -n -W --keep-going
 	@echo "Open book/_build/html/index.html"
 
+# README.md shows the figure of the landing page
 figures: book
 	$(BIN)/python book/figures.py
+	cp build/figures/fig-landing.png book/_static/
 
 test: lint
 	$(BIN)/python -m pytest --cov --cov-report=term

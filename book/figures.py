@@ -12,8 +12,6 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 NOTEBOOKS = ROOT / "book" / "_build" / "html" / "_sources"
 FIGURES = ROOT / "build" / "figures"
-STATIC = ROOT / "book" / "_static"
-README_FIGURE = "fig-landing"
 
 
 def figures(notebook: Path) -> dict[str, dict]:
@@ -44,7 +42,6 @@ def main() -> int:
             (FIGURES / f"{label}.png").write_bytes(base64.b64decode(image["image/png"]))
             (FIGURES / f"{label}.svg").write_text("".join(image["image/svg+xml"]), encoding="utf-8")
             count += 1
-    shutil.copy(FIGURES / f"{README_FIGURE}.png", STATIC)  # the picture that README.md shows
     print(f"{count} figures from {len(notebooks)} pages: {FIGURES.relative_to(ROOT)}")
     return 0
 

@@ -4,6 +4,7 @@ import base64
 import importlib.util
 import json
 import os
+import re
 from pathlib import Path
 
 import pytest
@@ -100,3 +101,9 @@ def test_figures_are_written_in_both_formats_under_their_labels(tmp_path, monkey
 def test_figures_without_a_label_or_a_picture_are_refused(tmp_path, cell, message):
     with pytest.raises(ValueError, match=message):
         figures.figures(notebook(tmp_path / "a.ipynb", cell))
+
+
+def test_the_pictures_of_the_readme_are_there():
+    root = BOOK.parent
+    pictures = re.findall(r"!\[[^\]]*\]\(([^)]+)\)", (root / "README.md").read_text(encoding="utf-8"))
+    assert pictures and all((root / picture).is_file() for picture in pictures)
