@@ -181,3 +181,11 @@ def test_table_of_a_run():
     assert_allclose(frame.loc[5, "gyro_x"], 36 * DEG / 1.7, rtol=1e-4)  # Earth 7e-5, misalignment 1e-6
     with pytest.raises(ValueError, match="`readings`"):
         bench.run(plan, TRIAD, TABLE, runs=2).to_frame()
+
+
+def test_a_position_that_turned_is_refused():
+    record = bench.run(plans.three_stage(Construction(name="plain")), TRIAD, TABLE)
+    turned = record.turned.copy()
+    turned[2] = 0.1
+    with pytest.raises(ValueError, match=r"`turned` must be 0 where a position is held.*segment 3"):
+        BenchRecord(plan=record.plan, latitude=record.latitude, readings=record.readings, turned=turned)

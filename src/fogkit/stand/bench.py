@@ -61,6 +61,13 @@ class BenchRecord:
                 f"got shapes {self.readings.shape} and {self.turned.shape}"
             )
         commanded = np.array([s.rate * s.duration for s in self.plan.segments])
+        moved = np.argwhere((commanded == 0) & (self.turned != 0))
+        if moved.size:
+            i = int(moved[0][-1])
+            raise ValueError(
+                f"`turned` must be 0 where a position is held, got {self.turned[tuple(moved[0])]:.6g} rad in segment "
+                f"{i + 1} ({self.plan.segments[i].label})"
+            )
         off = np.abs(self.turned - commanded) > np.pi
         if off.any():
             i = int(np.argwhere(off)[0][-1])  # the segment of the first angle that is off
