@@ -32,7 +32,9 @@ Modules, each importing only from those above it
 `fogkit.rotation`       direction-cosine matrices, angles, small-angle errors
 `fogkit.earth`          radii, normal gravity, Earth and transport rate
 `fogkit.estimation`     least squares with priors, covariance and what the data leave open; consistency of filters
+`fogkit.noise`          random errors: angle random walk to rate ramp, Allan deviation, identification
 `fogkit.optics`         one gyro: coil, interferometer, digital loop, simulator, drift under vibration and its remedies
+`fogkit.thermal`        temperature: thermal network, models of its effect, which of them the data support
 `fogkit.imu`            three axes: error model, constructions, mean readings
 `fogkit.stand`          rate table with its errors, plans, what is read while one is carried out
 `fogkit.calibration`    requirements, calibration in three stages, fit of all data, budgets
@@ -50,8 +52,8 @@ import importlib
 __version__ = "0.1.0"
 
 _MODULES = {
-    *("calibration", "campaign", "checks", "claims", "constants", "earth", "estimation", "imu", "optics", "plotting"),
-    *("reproduction", "results", "rotation", "stand", "units"),
+    *("calibration", "campaign", "checks", "claims", "constants", "earth", "estimation", "imu", "noise"),
+    *("optics", "plotting", "reproduction", "results", "rotation", "stand", "thermal", "units"),
 }
 
 
