@@ -1,1 +1,1 @@
-"""Temperature: a network of thermal masses to make it, models of its effect on a gyro, and which of them the data support."""
+"""Temperature: a thermal network, models of its effect on a gyro, and which of them the data support."""
