@@ -1,5 +1,15 @@
-"""How well a gyro must be calibrated, and how that is done on a rate table.
+"""How well an inertial measurement unit must be calibrated, and how that is done.
 
-`fogkit.calibration.requirements` turns the drift that is allowed into what scale factors, angles and the table must be
-known to, and back.
+==================  =====================================================================================
+module              answers
+==================  =====================================================================================
+`requirements`      which scale factors, angles and table does an allowed drift need?
+`three_stage`       three-axis table: how do three stages give the parameters of a gyro triad?
+`bench_fit`         three-axis table: what do all positions and turns say at once?
+`multiposition`     plate: what do six positions, 24 points, or any others say of gyros and accelerometers?
+`rate_sequence`     single-axis table: what do a list of rates and positions to the east say of gyros?
+`accuracy`          what is left of a scale factor and a direction, from a budget of errors?
+`plan_design`       which plan gives the most?
+`triad`             the record of a calibrated gyro triad
+==================  =====================================================================================
 """

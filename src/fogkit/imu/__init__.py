@@ -1,9 +1,11 @@
-"""Three axes: the error model of a gyro triad, the constructions that carry it, and its readings from motion.
+"""Three axes: error models of gyros and accelerometers, the constructions that carry them, readings from motion.
 
 ==================  =====================================================================================
 module              answers
 ==================  =====================================================================================
-`errors`            how do three gyros differ from ideal ones?
+`errors`            how do three gyros differ from ideal ones, each with a scale factor for either sign?
+`triads`            the linear model of gyros or accelerometers: how do its three forms go into one another?
+`unit`              what do three gyros and three accelerometers read, with noise, steps, range and nonlinearity?
 `constructions`     how do they stand in the case?
 `readings`          what do they read on average while the case turns steadily?
 ==================  =====================================================================================

@@ -1,11 +1,14 @@
-"""The bench: a three-axis rate table with its errors, what the operator does with it, and what comes out.
+"""Where a unit is calibrated: tables and plates with their errors, what the operator does there, and what comes out.
 
 ==================  =====================================================================================
 module              answers
 ==================  =====================================================================================
-`table`             where is the platform, and which errors does it have?
-`plans`             which positions and turns, for how long?
-`bench`             what do gyros and table read while a plan is carried out?
+`table`             three-axis table: where is the platform, and which errors does it have?
+`plans`             three-axis table: which positions and turns, for how long?
+`bench`             three-axis table: what do gyros and table read while a plan is carried out?
+`placements`        plate and single-axis table: how does the unit lie, for how long, and how fast does it turn?
+`laboratory`        plate and single-axis table: what does the unit read, sample by sample?
+`means`             what is one mean reading for each placement, and is the recording fit for it?
 ==================  =====================================================================================
 """
 

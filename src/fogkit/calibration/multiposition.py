@@ -1,0 +1,349 @@
+"""Calibration of three gyros and three accelerometers in positions: six, 24, or any, with turns where there are some.
+
+Every observation is a mean reading, or a sum or difference of mean readings, whose input the plan tells
+(`fogkit.stand.means`); every sensor has one least-squares problem, linear in its bias, the row of its matrix and, for
+mechanical gyros, its acceleration sensitivity. The slides' closed forms are this fit for their plans.
+
+Averaging the four headings of a position first (`average_positions`, the slides' step from N(24, 6) to F(6, 6)) makes
+the horizontal rotation of the Earth and tilts of the plate drop out, so that north need not be known; differences of
+turns (`turn_differences`) do the same for biases.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from fogkit import checks
+from fogkit.estimation import Solution, linear
+from fogkit.imu.triads import AXES, LinearTriad
+from fogkit.stand.means import Observations
+from fogkit.stand.placements import Schedule
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+TERMS = ("bias", "matrix", "acceleration_sensitivity")
+
+
+def parameter_names(sensor: int, terms: Sequence[str] = TERMS[:2]) -> tuple[str, ...]:
+    """Names of the parameters of one sensor, 0 to 2: ``bias_x``, ``matrix_xx`` to ``matrix_xz``, and so on."""
+    axis = AXES[sensor]
+    groups = {term: [f"{term}_{axis}{other}" for other in AXES] for term in TERMS[1:]} | {"bias": [f"bias_{axis}"]}
+    return tuple(name for term in terms for name in groups[term])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LinearCalibration:
+    """Estimated bias, matrix and acceleration sensitivity of three sensors.
+
+    Attributes
+    ----------
+    solutions : tuple of Solution
+        The least-squares fit of each sensor: estimate, covariance, residuals, chi-square.
+    """
+
+    solutions: tuple[Solution, Solution, Solution]
+
+    @property
+    def triad(self) -> LinearTriad:
+        """Sensors with the estimated parameters."""
+        sensors = range(3)
+        has_force = any("acceleration" in name for name in self.solutions[0].names)
+        sensitivity = [self._part(j, "acceleration_sensitivity") for j in sensors] if has_force else np.zeros((3, 3))
+        return LinearTriad(
+            bias=[self._part(j, "bias")[0] for j in sensors],
+            matrix=[self._part(j, "matrix") for j in sensors],
+            acceleration_sensitivity=sensitivity,
+        )
+
+    @property
+    def chi_square(self) -> float:
+        """Sum over the sensors."""
+        return sum(solution.chi_square for solution in self.solutions)
+
+    @property
+    def degrees_of_freedom(self) -> int:
+        """Sum over the sensors."""
+        return sum(solution.degrees_of_freedom for solution in self.solutions)
+
+    @property
+    def bias_deviation(self) -> NDArray[np.float64]:
+        """Standard deviations of the biases, shape (3,), in units of the reading."""
+        return np.array([np.sqrt(self._covariance(j, "bias")[0, 0]) for j in range(3)])
+
+    @property
+    def matrix_deviation(self) -> NDArray[np.float64]:
+        """Standard deviations of the matrix, shape (3, 3)."""
+        return np.array([np.sqrt(np.diagonal(self._covariance(j, "matrix"))) for j in range(3)])
+
+    @property
+    def equivalents_deviation(self) -> NDArray[np.float64]:
+        """Standard deviations of the equivalents, shape (3,): of the lengths of the rows of the matrix."""
+        cosines = self.triad.cosines
+        return np.array([np.sqrt(c @ self._covariance(j, "matrix") @ c) for j, c in enumerate(cosines)])
+
+    @property
+    def cosines_deviation(self) -> NDArray[np.float64]:
+        """Standard deviations of the direction cosines, shape (3, 3)."""
+        triad, rows = self.triad, []
+        for j, c in enumerate(triad.cosines):
+            slope = (np.eye(3) - np.outer(c, c)) / triad.equivalents[j]
+            rows.append(np.sqrt(np.diagonal(slope @ self._covariance(j, "matrix") @ slope.T)))
+        return np.array(rows)
+
+    @property
+    def misalignment_deviation(self) -> NDArray[np.float64]:
+        """Standard deviations of the misalignments, shape (3, 3), rad; zeros on the diagonal."""
+        triad, rows = self.triad, []
+        for j, row in enumerate(np.array(triad.matrix)):
+            slope = (np.eye(3) - np.outer(row, np.eye(3)[j]) / row[j]) / row[j]
+            rows.append(np.sqrt(np.diagonal(slope @ self._covariance(j, "matrix") @ slope.T)))
+        return np.array(rows) * (1 - np.eye(3))
+
+    @property
+    def input_bias_deviation(self) -> NDArray[np.float64]:
+        """Standard deviations of the biases as inputs, shape (3,)."""
+        triad, deviations = self.triad, []
+        for j, solution in enumerate(self.solutions):
+            names = [f"bias_{AXES[j]}", f"matrix_{AXES[j]}{AXES[j]}"]
+            index = [solution.index(name) for name in names]
+            slope = np.array([1.0, -triad.input_bias[j]]) / triad.scale_factor[j]
+            deviations.append(np.sqrt(slope @ solution.covariance[np.ix_(index, index)] @ slope))
+        return np.array(deviations)
+
+    def to_frame(self, form: str = "parameters") -> "DataFrame":
+        """Table with the columns ``estimate`` and ``standard_deviation``, index ``parameter``, in SI units.
+
+        Parameters
+        ----------
+        form : {"parameters", "slides", "standard"}, optional
+            Bias and matrix as fitted; zero terms, equivalents and direction cosines; or bias as an input, scale factor
+            and misalignment.
+        """
+        import pandas as pd
+
+        rows = _FORMS[checks.option("form", form, _FORMS)](self)
+        index = pd.Index([name for name, *_ in rows], name="parameter")
+        return pd.DataFrame([row[1:] for row in rows], index=index, columns=["estimate", "standard_deviation"])
+
+    def to_json(self) -> str:
+        """Text that `from_json` turns into an equal result."""
+        return json.dumps({"kind": type(self).__name__, "solutions": [s.to_json() for s in self.solutions]})
+
+    @classmethod
+    def from_json(cls, text: str) -> "LinearCalibration":
+        """Result from the text of `to_json`; ``ValueError`` if that was of another kind."""
+        data = json.loads(text)
+        if not isinstance(data, dict) or data.get("kind") != cls.__name__:
+            raise ValueError(f"`text` must be that of a {cls.__name__}, got {text[:60]!r}")
+        return cls(solutions=tuple(map(Solution.from_json, data["solutions"])))
+
+    def _index(self, sensor: int, term: str) -> list[int]:
+        names = self.solutions[sensor].names
+        return [names.index(name) for name in parameter_names(sensor, (term,))]
+
+    def _part(self, sensor: int, term: str) -> NDArray[np.float64]:
+        return self.solutions[sensor].estimate[self._index(sensor, term)]
+
+    def _covariance(self, sensor: int, term: str) -> NDArray[np.float64]:
+        index = self._index(sensor, term)
+        return self.solutions[sensor].covariance[np.ix_(index, index)]
+
+
+def _as_fitted(calibration: LinearCalibration) -> list[tuple[str, float, float]]:
+    return [
+        row
+        for solution in calibration.solutions
+        for row in zip(solution.names, solution.estimate, solution.standard_deviation, strict=True)
+    ]
+
+
+def _in_slides(calibration: LinearCalibration) -> list[tuple[str, float, float]]:
+    triad, rows = calibration.triad, []
+    for j, axis in enumerate(AXES):
+        rows.append((f"zero_{axis}", triad.bias[j], calibration.bias_deviation[j]))
+        rows.append((f"equivalent_{axis}", triad.equivalents[j], calibration.equivalents_deviation[j]))
+        for k, other in enumerate(AXES):
+            rows.append((f"cosine_{axis}{other}", triad.cosines[j, k], calibration.cosines_deviation[j, k]))
+    return rows + _sensitivities(calibration)
+
+
+def _in_standard_terms(calibration: LinearCalibration) -> list[tuple[str, float, float]]:
+    triad, rows = calibration.triad, []
+    scale_deviation = np.diagonal(calibration.matrix_deviation)
+    for j, axis in enumerate(AXES):
+        rows.append((f"bias_{axis}", triad.input_bias[j], calibration.input_bias_deviation[j]))
+        rows.append((f"scale_factor_{axis}", triad.scale_factor[j], scale_deviation[j]))
+        for k, other in enumerate(AXES):
+            if k != j:
+                deviation = calibration.misalignment_deviation[j, k]
+                rows.append((f"misalignment_{axis}{other}", triad.misalignment[j, k], deviation))
+    return rows + _sensitivities(calibration)
+
+
+def _sensitivities(calibration: LinearCalibration) -> list[tuple[str, float, float]]:
+    return [row for row in _as_fitted(calibration) if row[0].startswith("acceleration_sensitivity")]
+
+
+_FORMS = {"parameters": _as_fitted, "slides": _in_slides, "standard": _in_standard_terms}
+
+
+def calibrate_accelerometers(observed: Observations) -> LinearCalibration:
+    """Biases and matrix of three accelerometers, each from one least-squares fit.
+
+    Parameters
+    ----------
+    observed : Observations
+        Of positions whose specific forces span the three axes and leave the bias apart: the six positions, averaged 24
+        points, or any. With a covariance chi-square tests the fit; without, the scatter of the residuals gives the
+        noise.
+
+    Returns
+    -------
+    LinearCalibration
+        Readings per m/s^2 and in units of the reading.
+
+    Raises
+    ------
+    ValueError
+        If the positions leave a parameter open; the message names it.
+    """
+    return _calibrate(observed, slice(3, 6), {"matrix": observed.f_ib_b})
+
+
+def calibrate_gyros(observed: Observations, *, acceleration_sensitivity: bool = False) -> LinearCalibration:
+    """Biases, matrix and, if wanted, acceleration sensitivity of three gyros, each from one least-squares fit.
+
+    Parameters
+    ----------
+    observed : Observations
+        Of positions and turns. Positions alone determine the matrix by the Earth's rotation only, and not apart from an
+        acceleration sensitivity; turns about the three axes do.
+    acceleration_sensitivity : bool, optional
+        Whether to estimate what the specific force does to mechanical gyros.
+
+    Returns
+    -------
+    LinearCalibration
+        Readings per rad/s, in units of the reading, and per m/s^2.
+
+    Raises
+    ------
+    ValueError
+        If the observations leave a parameter open; the message names it.
+    """
+    inputs = {"matrix": observed.omega_ib_b}
+    if acceleration_sensitivity:
+        inputs["acceleration_sensitivity"] = observed.f_ib_b
+    return _calibrate(observed, slice(0, 3), inputs)
+
+
+def _calibrate(observed: Observations, sensors: slice, inputs: Mapping[str, NDArray[np.float64]]) -> LinearCalibration:
+    """The fit of the three sensors of one kind."""
+    design = np.column_stack([observed.bias_share, *inputs.values()])
+    covariance = None if observed.covariance is None else observed.covariance[sensors]
+    solutions = []
+    for j, readings in enumerate(observed.readings[:, sensors].T):
+        solution = linear(
+            design,
+            readings,
+            covariance=None if covariance is None else covariance[j],
+            names=parameter_names(j, ("bias", *inputs)),
+        )
+        solution.raise_if_unobservable("the plan")
+        solutions.append(solution)
+    return LinearCalibration(solutions=tuple(solutions))
+
+
+def average_positions(observed: Observations, schedule: Schedule) -> Observations:
+    """Mean of all placements at rest with the same axis up or down, named ``x up``, ``x down`` and so on.
+
+    Parameters
+    ----------
+    observed : Observations
+        One for each placement of the schedule.
+    schedule : Schedule
+        What was done; turns in it are left out.
+
+    Returns
+    -------
+    Observations
+        One for each position, in the order in which they were taken first. All placements of a position weigh alike,
+        whatever their durations: only so do the horizontal inputs cancel.
+    """
+    _require_same(observed, schedule)
+    groups: dict[tuple[int, int], list[int]] = {}
+    for i, placement in enumerate(schedule.placements):
+        if placement.rate == 0:
+            groups.setdefault(placement.vertical, []).append(i)
+    if not groups:
+        raise ValueError("`schedule` must hold positions at rest to average, got turns only")
+    weights = np.zeros((len(groups), len(schedule)))
+    for row, members in zip(weights, groups.values(), strict=True):
+        row[members] = 1 / len(members)
+    labels = [f"{AXES[axis]} {'up' if sign > 0 else 'down'}" for axis, sign in groups]
+    return observed.combine(weights, labels)
+
+
+def turn_differences(observed: Observations, schedule: Schedule) -> Observations:
+    """Difference of each turn's integrated reading and that of the opposite turn, over the time of both.
+
+    Free of biases if both last equally long: the slides' way to the gyros' equivalents. If not, the observation holds
+    the share of the bias that is left, and the fit knows it.
+
+    Parameters
+    ----------
+    observed : Observations
+        One for each placement of the schedule.
+    schedule : Schedule
+        What was done; placements at rest are left out. Opposite turns have the same attitude and angle; their rates may
+        differ.
+
+    Returns
+    -------
+    Observations
+        One for each pair, named after the turn in the positive direction.
+
+    Raises
+    ------
+    ValueError
+        If a turn has no opposite of the same attitude and angle; the message names it.
+    """
+    _require_same(observed, schedule)
+    turning = [(i, p) for i, p in enumerate(schedule.placements) if p.rate]
+    if not turning:
+        raise ValueError("`schedule` must hold turns, got positions at rest only")
+    turns: dict[tuple[str, float], list[int]] = {}
+    for i, placement in turning:
+        turns.setdefault((placement.axes, round(placement.turns, 6)), []).append(i)
+    alone = [
+        schedule.labels[i]
+        for (axes, angle), members in turns.items()
+        for i in members[len(turns.get((axes, -angle), [])) :]
+    ]
+    if alone:
+        raise ValueError(f"`schedule` must hold the opposite of each turn, got none of {', '.join(map(repr, alone))}")
+    pairs = [
+        pair
+        for (axes, angle), members in turns.items()
+        if angle > 0
+        for pair in zip(members, turns[axes, -angle], strict=True)
+    ]
+    durations = np.array([placement.duration for placement in schedule.placements])
+    weights = np.zeros((len(pairs), len(schedule)))
+    for row, (plus, minus) in zip(weights, pairs, strict=True):
+        row[plus], row[minus] = durations[plus], -durations[minus]
+        row /= durations[plus] + durations[minus]
+    return observed.combine(weights, [schedule.labels[plus] for plus, _ in pairs])
+
+
+def _require_same(observed: Observations, schedule: Schedule) -> None:
+    if list(observed.labels) != schedule.labels:
+        raise ValueError(
+            f"`observed` must hold one observation for each placement of `schedule`, {schedule.labels}, "
+            f"got {list(observed.labels)}"
+        )

@@ -1,0 +1,252 @@
+"""From a recording to one mean reading per placement, with everything checked that can go wrong on the way.
+
+Sums and differences of placements, such as the mean of four headings or half the difference of two turns, are
+observations too: `Observations.combine` forms them, in readings and inputs alike.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fogkit import checks
+from fogkit.noise.processes import RandomErrors
+from fogkit.stand.laboratory import IMU_COLUMNS, Laboratory
+from fogkit.stand.placements import Placement, Schedule
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+SAMPLING_TOLERANCE = 1e-3
+"""Largest departure of a sample time from its mean, relative: jitter of a clock passes, a lost sample does not."""
+
+CLIPPED_SHARE = 0.2
+"""Share of samples at exactly the largest or smallest reading of a channel from which a channel counts as clipped."""
+
+FEW_STEPS = 4
+"""Different readings up to which a channel counted in pulses may stand at its edge without being clipped."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Observations:
+    """Mean readings, and the inputs that made them as far as the plan tells.
+
+    Attributes
+    ----------
+    labels : tuple of str
+        What each observation is.
+    readings : ndarray, shape (n, 6)
+        Mean readings of gyros x, y, z and accelerometers x, y, z.
+    bias_share : ndarray, shape (n,)
+        How much of a bias an observation holds: 1 for a mean, 0 for a difference.
+    omega_ib_b, f_ib_b : ndarray, shape (n, 3)
+        Expected inputs, rad/s and m/s^2.
+    covariance : ndarray, shape (6, n, n), or None
+        Covariance of the readings of each sensor; None if nothing is known of the noise.
+    """
+
+    labels: tuple[str, ...]
+    readings: NDArray[np.float64]
+    bias_share: NDArray[np.float64]
+    omega_ib_b: NDArray[np.float64]
+    f_ib_b: NDArray[np.float64]
+    covariance: NDArray[np.float64] | None
+
+    def combine(self, weights: ArrayLike, labels: Sequence[str]) -> "Observations":
+        """Linear combinations of observations, shape (m, n) of weights, with names for them."""
+        weights = checks.finite_array("weights", weights, shape=(None, len(self.labels)))
+        if len(labels) != len(weights):
+            raise ValueError(f"`labels` must be one for each row of `weights`, {len(weights)}, got {len(labels)}")
+        return replace(
+            self,
+            labels=tuple(labels),
+            readings=weights @ self.readings,
+            bias_share=weights @ self.bias_share,
+            omega_ib_b=weights @ self.omega_ib_b,
+            f_ib_b=weights @ self.f_ib_b,
+            covariance=None if self.covariance is None else weights @ self.covariance @ weights.T,
+        )
+
+    def joined(self, other: "Observations") -> "Observations":
+        """Both, independent of each other."""
+        n, m = len(self.labels), len(other.labels)
+        covariance = None
+        if self.covariance is not None and other.covariance is not None:
+            covariance = np.zeros((6, n + m, n + m))
+            covariance[:, :n, :n], covariance[:, n:, n:] = self.covariance, other.covariance
+        names = ("readings", "bias_share", "omega_ib_b", "f_ib_b")
+        both = {name: np.concatenate([getattr(self, name), getattr(other, name)]) for name in names}
+        return replace(self, labels=self.labels + other.labels, covariance=covariance, **both)
+
+    def to_frame(self) -> "DataFrame":
+        """Table of the readings, index ``position``."""
+        import pandas as pd
+
+        return pd.DataFrame(self.readings, index=pd.Index(self.labels, name="position"), columns=list(IMU_COLUMNS))
+
+
+def observations(
+    recording: "DataFrame",
+    schedule: Schedule,
+    laboratory: Laboratory,
+    *,
+    random: tuple[RandomErrors, RandomErrors] | None = None,
+    equivalents: ArrayLike = (1.0,) * 6,
+) -> Observations:
+    """Mean readings of each placement of a recording, with the inputs that the schedule says.
+
+    Parameters
+    ----------
+    recording : pandas.DataFrame
+        As from `Laboratory.record`: index ``time`` in s, columns ``gyro_x`` to ``accel_z`` and ``position``. Samples
+        between placements may be there with a label of NaN.
+    schedule : Schedule
+        What was done.
+    laboratory : Laboratory
+        What is believed of the place: latitude, gravity, and errors known from elsewhere.
+    random : tuple of RandomErrors, optional
+        Random errors of gyros and accelerometers, in units of their input. The variance of a mean over a placement is
+        then their Allan variance at its duration, which counts bias instability too. By default it follows from the
+        scatter of the samples, taken as white.
+    equivalents : array_like, shape (6,), optional
+        Approximate readings per unit of input, gyros then accelerometers, for `random`.
+
+    Returns
+    -------
+    Observations
+        One for each placement.
+
+    Raises
+    ------
+    ValueError
+        If a column or a position is missing, a position stands twice, readings are NaN, samples are lost, a channel is
+        clipped or frozen, or the vertical axis of a position is another one than its label says. The message names the
+        position and the channel.
+    """
+    pieces = _pieces(recording, schedule)
+    for placement, piece in zip(schedule.placements, pieces, strict=True):
+        _require_sound(placement, piece)
+    _require_alive(schedule, pieces)
+    readings = np.stack([piece[list(IMU_COLUMNS)].to_numpy().mean(axis=0) for piece in pieces])
+    _require_vertical(schedule, readings[:, 3:])
+    counts = np.array([len(piece) for piece in pieces])
+    if random is None:
+        scatter = np.stack([piece[list(IMU_COLUMNS)].to_numpy().var(axis=0, ddof=1) for piece in pieces])
+        variance = scatter / counts[:, None]
+    else:
+        scale = checks.finite_array("equivalents", equivalents, shape=(6,))
+        durations = np.array([placement.duration for placement in schedule.placements])
+        each = np.stack([errors.allan_variance(durations) for errors in random], axis=-1)
+        variance = np.repeat(each, 3, axis=-1) * scale**2
+    covariance = None
+    if (variance > 0).all():
+        covariance = np.stack([np.diag(column) for column in variance.T])
+    omega, force = expected_inputs(schedule, laboratory)
+    return Observations(
+        labels=tuple(schedule.labels),
+        readings=readings,
+        bias_share=np.ones(len(schedule)),
+        omega_ib_b=omega,
+        f_ib_b=force,
+        covariance=covariance,
+    )
+
+
+def expected_inputs(schedule: Schedule, laboratory: Laboratory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mean rate, rad/s, and specific force, m/s^2, along the unit's axes in each placement, each of shape (n, 3)."""
+    inputs = [laboratory.mean_inputs(placement) for placement in schedule.placements]
+    omega, force = (np.stack(part) for part in zip(*inputs, strict=True))
+    return omega, force
+
+
+def _pieces(recording: "DataFrame", schedule: Schedule) -> list["DataFrame"]:
+    """The part of a recording that belongs to each placement."""
+    checks.columns(recording, (*IMU_COLUMNS, "position"), name="recording")
+    labels = recording["position"].astype(object).to_numpy()
+    changes = np.flatnonzero(labels[1:] != labels[:-1]) + 1
+    runs: dict[str, list[tuple[int, int]]] = {}
+    for start, stop in zip([0, *changes], [*changes, len(labels)], strict=True):
+        if isinstance(labels[start], str):  # NaN between placements
+            runs.setdefault(labels[start], []).append((start, stop))
+    if missing := [label for label in schedule.labels if label not in runs]:
+        raise ValueError(f"`recording` must hold every position of the schedule, got none of {_quoted(missing)}")
+    if unknown := [label for label in runs if label not in schedule.labels]:
+        raise ValueError(f"`recording` holds positions that are not in the schedule: {_quoted(unknown)}")
+    if repeated := [label for label, parts in runs.items() if len(parts) > 1]:
+        raise ValueError(
+            f"`recording` must hold each position once and in one piece, got {_quoted(repeated)} repeatedly"
+        )
+    return [recording.iloc[slice(*runs[label][0])] for label in schedule.labels]
+
+
+def _require_sound(placement: Placement, piece: "DataFrame") -> None:
+    """Errors for a placement's samples that cannot be averaged."""
+    where = f"position {placement.label!r}"
+    values = piece[list(IMU_COLUMNS)].to_numpy(dtype=float)
+    if len(piece) < 2:
+        raise ValueError(f"{where} must have at least 2 samples, got {len(piece)}")
+    for name, column in zip(IMU_COLUMNS, values.T, strict=True):
+        if not np.isfinite(column).all():
+            bad = int(np.flatnonzero(~np.isfinite(column))[0])
+            raise ValueError(f"{where}: `{name}` must be finite, got {column[bad]} at {piece.index[bad]:g} s")
+    steps = np.diff(piece.index.to_numpy(dtype=float))
+    dt = float(np.median(steps))
+    if not dt > 0 or (np.abs(steps - dt) > SAMPLING_TOLERANCE * dt).any():
+        worst = int(np.argmax(np.abs(steps - dt)))
+        raise ValueError(
+            f"{where} must be sampled evenly, got a step of {steps[worst]:g} s at {piece.index[worst]:g} s among steps "
+            f"of {dt:g} s. Resample, or split the position where samples were lost."
+        )
+    recorded = len(piece) * dt
+    if abs(recorded - placement.duration) > max(0.01 * placement.duration, 1.5 * dt):
+        raise ValueError(f"{where} must last {placement.duration:g} s, got {recorded:g} s of samples")
+
+
+def _require_alive(schedule: Schedule, pieces: Sequence["DataFrame"]) -> None:
+    """Errors for channels that are clipped, or frozen where readings at rest show that there is noise."""
+    values = [piece[list(IMU_COLUMNS)].to_numpy(dtype=float) for piece in pieces]
+    for placement, columns in zip(schedule.placements, values, strict=True):
+        for name, column in zip(IMU_COLUMNS, columns.T, strict=True):
+            for edge in (column.max(), column.min()):
+                share = np.mean(column == edge)
+                if share > CLIPPED_SHARE and len(np.unique(column)) > FEW_STEPS:
+                    raise ValueError(
+                        f"position {placement.label!r}: `{name}` is clipped, {share:.0%} of its samples are {edge:.9g}"
+                    )
+    spread = np.stack([np.ptp(columns, axis=0) for columns in values])
+    still = [placement.rate == 0 for placement in schedule.placements]
+    if not any(still):
+        return
+    noisy = np.repeat((spread[still].reshape(sum(still), 2, 3) > 0).any(axis=(0, 2)), 3)
+    for placement, row, columns in zip(schedule.placements, spread, values, strict=True):
+        for channel in np.flatnonzero(noisy & (row == 0)):
+            raise ValueError(
+                f"position {placement.label!r}: `{IMU_COLUMNS[channel]}` is frozen at {columns[0, channel]:.9g}"
+            )
+
+
+def _require_vertical(schedule: Schedule, accelerometers: NDArray[np.float64]) -> None:
+    """Error for a position whose upright axis is another one than its label says, where the readings tell."""
+    vertical = [placement.vertical for placement in schedule.placements]
+    for axis, name in enumerate("xyz"):
+        if {(axis, 1), (axis, -1)} - set(vertical):
+            continue  # the channel's range is not known from this schedule
+        column = accelerometers[:, axis]
+        middle, half = (column.max() + column.min()) / 2, (column.max() - column.min()) / 2
+        shares = (column - middle) / (half or 1.0)
+        up = np.mean([share for share, v in zip(shares, vertical, strict=True) if v == (axis, 1)])
+        shares = shares if up >= 0 else -shares  # an accelerometer whose positive direction is the other one
+        for placement, share, (upright, sign) in zip(schedule.placements, shares, vertical, strict=True):
+            expected = sign if upright == axis else 0
+            if abs(share - expected) > 0.5:
+                word = {1: "up", -1: "down", 0: "level"}
+                raise ValueError(
+                    f"position {placement.label!r} has {name} {word[expected]} by its label, but `accel_{name}` reads "
+                    f"{share:+.2f} of its span: {name} {word[int(np.clip(round(share), -1, 1))]}"
+                )
+
+
+def _quoted(labels: Sequence[str]) -> str:
+    return ", ".join(map(repr, labels))
