@@ -109,7 +109,7 @@ def observations(
     random : tuple of RandomErrors, optional
         Random errors of gyros and accelerometers, in units of their input. The variance of a mean over a placement is
         then their Allan variance at its duration, which counts bias instability too. By default it follows from the
-        scatter of the samples, taken as white.
+        differences of successive samples, taken as white.
     equivalents : array_like, shape (6,), optional
         Approximate readings per unit of input, gyros then accelerometers, for `random`.
 
@@ -133,8 +133,9 @@ def observations(
     _require_vertical(schedule, readings[:, 3:])
     counts = np.array([len(piece) for piece in pieces])
     if random is None:
-        scatter = np.stack([piece[list(IMU_COLUMNS)].to_numpy().var(axis=0, ddof=1) for piece in pieces])
-        variance = scatter / counts[:, None]
+        # successive differences: the Earth's rotation, which a turn sweeps slowly through the samples, is no noise
+        steps = [np.diff(piece[list(IMU_COLUMNS)].to_numpy(), axis=0) for piece in pieces]
+        variance = np.stack([np.mean(step**2, axis=0) / 2 for step in steps]) / counts[:, None]
     else:
         scale = checks.finite_array("equivalents", equivalents, shape=(6,))
         durations = np.array([placement.duration for placement in schedule.placements])
