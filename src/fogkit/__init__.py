@@ -37,6 +37,7 @@ Modules, each importing only from those above it
 `fogkit.thermal`        temperature: thermal network, models of its effect, which of them the data support
 `fogkit.imu`            three axes: error model, constructions, mean readings
 `fogkit.stand`          rate table with its errors, plans, what is read while one is carried out
+`fogkit.navigation`     strapdown mechanisation: attitude and velocity from increments
 `fogkit.calibration`    requirements, calibration in three stages, fit of all data, budgets
 `fogkit.campaign`       many runs of anything, on any executor
 `fogkit.claims`         the ledger of claims: what the papers state, and what became of it
@@ -52,7 +53,7 @@ import importlib
 __version__ = "0.1.0"
 
 _MODULES = {
-    *("calibration", "campaign", "checks", "claims", "constants", "earth", "estimation", "imu", "noise"),
+    *("calibration", "campaign", "checks", "claims", "constants", "earth", "estimation", "imu", "navigation", "noise"),
     *("optics", "plotting", "reproduction", "results", "rotation", "stand", "thermal", "units"),
 }
 
