@@ -221,8 +221,8 @@ def calibrate_gyros(observed: Observations, *, acceleration_sensitivity: bool = 
     Parameters
     ----------
     observed : Observations
-        Of positions and turns. Positions alone determine the matrix by the Earth's rotation only, and not apart from an
-        acceleration sensitivity; turns about the three axes do.
+        Of positions and turns. Positions alone determine the matrix by the Earth's rotation only and, once averaged
+        over the headings, not apart from an acceleration sensitivity; turns about the three axes do.
     acceleration_sensitivity : bool, optional
         Whether to estimate what the specific force does to mechanical gyros.
 
@@ -248,14 +248,11 @@ def _calibrate(observed: Observations, sensors: slice, inputs: Mapping[str, NDAr
     covariance = None if observed.covariance is None else observed.covariance[sensors]
     solutions = []
     for j, readings in enumerate(observed.readings[:, sensors].T):
-        solution = linear(
-            design,
-            readings,
-            covariance=None if covariance is None else covariance[j],
-            names=parameter_names(j, ("bias", *inputs)),
-        )
-        solution.raise_if_unobservable("the plan")
-        solutions.append(solution)
+        names = parameter_names(j, ("bias", *inputs))
+        # first what the plan leaves open: without a covariance a fit of too few observations only says that they are
+        linear(design, readings, standard_deviation=1.0, names=names).raise_if_unobservable("the plan")
+        noise = None if covariance is None else covariance[j]
+        solutions.append(linear(design, readings, covariance=noise, names=names))
     return LinearCalibration(solutions=tuple(solutions))
 
 
