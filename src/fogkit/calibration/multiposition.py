@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 TERMS = ("bias", "matrix", "acceleration_sensitivity")
 
+ROUNDING = 1e-13
+"""Part of the largest input below which an input counts as none."""
+
 
 def parameter_names(sensor: int, terms: Sequence[str] = TERMS[:2]) -> tuple[str, ...]:
     """Names of the parameters of one sensor, 0 to 2: ``bias_x``, ``matrix_xx`` to ``matrix_xz``, and so on."""
@@ -244,16 +247,22 @@ def calibrate_gyros(observed: Observations, *, acceleration_sensitivity: bool = 
 
 def _calibrate(observed: Observations, sensors: slice, inputs: Mapping[str, NDArray[np.float64]]) -> LinearCalibration:
     """The fit of the three sensors of one kind."""
-    design = np.column_stack([observed.bias_share, *inputs.values()])
+    design = np.column_stack([observed.bias_share, *map(_beyond_rounding, inputs.values())])
     covariance = None if observed.covariance is None else observed.covariance[sensors]
     solutions = []
     for j, readings in enumerate(observed.readings[:, sensors].T):
         names = parameter_names(j, ("bias", *inputs))
-        # first what the plan leaves open: without a covariance a fit of too few observations only says that they are
-        linear(design, readings, standard_deviation=1.0, names=names).raise_if_unobservable("the plan")
-        noise = None if covariance is None else covariance[j]
-        solutions.append(linear(design, readings, covariance=noise, names=names))
+        if covariance is None:  # a fit of too few observations would only say that they are too few for its noise
+            linear(design, readings, standard_deviation=1.0, names=names).raise_if_unobservable("the plan")
+        solution = linear(design, readings, covariance=None if covariance is None else covariance[j], names=names)
+        solution.raise_if_unobservable("the plan")
+        solutions.append(solution)
     return LinearCalibration(solutions=tuple(solutions))
+
+
+def _beyond_rounding(inputs: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Inputs, with 0 for what is rounding: a whole turn leaves 1e-17 of the Earth's level rotation, no information."""
+    return np.where(np.abs(inputs) > ROUNDING * np.abs(inputs).max(), inputs, 0.0)
 
 
 def average_positions(observed: Observations, schedule: Schedule) -> Observations:
