@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 TERMS = ("bias", "matrix", "acceleration_sensitivity")
 
+ROUNDING = 1e-13
+"""Part of the largest input below which an input counts as none."""
+
 
 def parameter_names(sensor: int, terms: Sequence[str] = TERMS[:2]) -> tuple[str, ...]:
     """Names of the parameters of one sensor, 0 to 2: ``bias_x``, ``matrix_xx`` to ``matrix_xz``, and so on."""
@@ -221,8 +224,8 @@ def calibrate_gyros(observed: Observations, *, acceleration_sensitivity: bool = 
     Parameters
     ----------
     observed : Observations
-        Of positions and turns. Positions alone determine the matrix by the Earth's rotation only, and not apart from an
-        acceleration sensitivity; turns about the three axes do.
+        Of positions and turns. Positions alone determine the matrix by the Earth's rotation only and, once averaged
+        over the headings, not apart from an acceleration sensitivity; turns about the three axes do.
     acceleration_sensitivity : bool, optional
         Whether to estimate what the specific force does to mechanical gyros.
 
@@ -244,19 +247,22 @@ def calibrate_gyros(observed: Observations, *, acceleration_sensitivity: bool = 
 
 def _calibrate(observed: Observations, sensors: slice, inputs: Mapping[str, NDArray[np.float64]]) -> LinearCalibration:
     """The fit of the three sensors of one kind."""
-    design = np.column_stack([observed.bias_share, *inputs.values()])
+    design = np.column_stack([observed.bias_share, *map(_beyond_rounding, inputs.values())])
     covariance = None if observed.covariance is None else observed.covariance[sensors]
     solutions = []
     for j, readings in enumerate(observed.readings[:, sensors].T):
-        solution = linear(
-            design,
-            readings,
-            covariance=None if covariance is None else covariance[j],
-            names=parameter_names(j, ("bias", *inputs)),
-        )
+        names = parameter_names(j, ("bias", *inputs))
+        if covariance is None:  # a fit of too few observations would only say that they are too few for its noise
+            linear(design, readings, standard_deviation=1.0, names=names).raise_if_unobservable("the plan")
+        solution = linear(design, readings, covariance=None if covariance is None else covariance[j], names=names)
         solution.raise_if_unobservable("the plan")
         solutions.append(solution)
     return LinearCalibration(solutions=tuple(solutions))
+
+
+def _beyond_rounding(inputs: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Inputs, with 0 for what is rounding: a whole turn leaves 1e-17 of the Earth's level rotation, no information."""
+    return np.where(np.abs(inputs) > ROUNDING * np.abs(inputs).max(), inputs, 0.0)
 
 
 def average_positions(observed: Observations, schedule: Schedule) -> Observations:

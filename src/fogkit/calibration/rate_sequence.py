@@ -170,7 +170,8 @@ def fit_scale_factor(
     Raises
     ------
     ValueError
-        If a term is unknown, or there are too few rates for what is to be fitted.
+        If a term is unknown, there are too few rates for what is to be fitted, or there is a rate error to weight
+        against a noise that is not known.
     """
     axis = _axis(axis)
     terms = tuple(checks.option("terms", term, SHAPES) for term in terms)
@@ -190,6 +191,8 @@ def fit_scale_factor(
     rate, reading = observed.omega_ib_b[chosen, axis], observed.readings[chosen, axis]
     design = np.column_stack([rate, np.ones_like(rate), *(SHAPES[term](rate) for term in terms)])
     covariance = None
+    if observed.covariance is None and rate_error:
+        raise ValueError("`rate_error` must be 0 where `observed` has no covariance to add it to. Give `random` there.")
     if observed.covariance is not None:
         first = np.polyfit(rate, reading, 1)[0]
         table = np.diag((first * rate_error * np.array([schedule.placements[i].rate for i in chosen])) ** 2)
@@ -226,6 +229,12 @@ def installation(observed: Observations, schedule: Schedule, *, rate: float = 15
     chosen = [i for i, p in enumerate(schedule.placements) if np.isclose(abs(p.rate), rate, rtol=1e-9)]
     if not chosen:
         raise ValueError(f"`rate` must be one of the schedule's, got {rate:.6g} rad/s, {np.rad2deg(rate):.6g} deg/s")
+    turned = {(p.vertical[0], p.vertical[1] * p.rate > 0) for p in (schedule.placements[i] for i in chosen)}
+    missing = [f"{sign}{axis}" for j, axis in enumerate(AXES) for sign in "+-" if (j, sign == "+") not in turned]
+    if missing:
+        raise ValueError(
+            f"`schedule` must hold the rate both ways about each axis, got no turn about {', '.join(missing)}"
+        )
     return calibrate_gyros(observed.combine(np.eye(len(schedule))[chosen], [schedule.labels[i] for i in chosen]))
 
 

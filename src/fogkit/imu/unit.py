@@ -81,11 +81,7 @@ class Sensors:
         specific_force : array_like, shape (..., 3), optional
             What acts on acceleration-sensitive gyros, m/s^2.
         """
-        triad = self.triad
-        along = checks.finite_array("inputs", inputs, shape=(..., 3)) @ triad.cosines.T
-        seen = self.shape.apply(np.clip(along, -self.range, self.range))
-        offset = triad.readings(np.zeros(3), np.zeros(3) if specific_force is None else specific_force)
-        return offset + triad.equivalents * seen
+        return self._read(inputs, specific_force, noise=0.0)
 
     def readings(
         self,
@@ -107,10 +103,22 @@ class Sensors:
         specific_force : array_like, shape (n, 3), optional
             As in `expected`.
         """
-        read = self.expected(inputs, specific_force)
+        noise = 0.0
         if self.random != RandomErrors():
-            read = read + self.triad.equivalents * simulate(self.random, len(read), dt, rng, channels=3)
+            noise = simulate(self.random, len(np.asarray(inputs)), dt, rng, channels=3)
+        read = self._read(inputs, specific_force, noise)
         return quantize(read, dt, self.pulse) if self.pulse else read
+
+    def _read(
+        self, inputs: ArrayLike, specific_force: ArrayLike | None, noise: NDArray[np.float64] | float
+    ) -> NDArray[np.float64]:
+        """Readings without steps, with noise in units of the input."""
+        triad = self.triad
+        along = checks.finite_array("inputs", inputs, shape=(..., 3)) @ triad.cosines.T
+        seen = self.shape.apply(along) + noise
+        if np.isfinite(self.range):  # noise does not pass the end of the range either
+            seen = np.clip(seen, *self.shape.apply(np.array([[-self.range] * 3, [self.range] * 3])))
+        return triad.readings(np.zeros(3), specific_force) + triad.equivalents * seen
 
 
 @dataclass(frozen=True, kw_only=True)

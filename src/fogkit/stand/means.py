@@ -25,8 +25,16 @@ SAMPLING_TOLERANCE = 1e-3
 CLIPPED_SHARE = 0.2
 """Share of samples at exactly the largest or smallest reading of a channel from which a channel counts as clipped."""
 
+EDGE_OVER_NEXT = 2.5
+"""How many times more samples a clipped channel has at its edge than at the next reading. Counted in pulses a sine, as
+a tilted unit reads it on a turning table, has ``1 + sqrt(2)`` times more."""
+
 FEW_STEPS = 4
-"""Different readings up to which a channel counted in pulses may stand at its edge without being clipped."""
+"""Different readings up to which a channel is one counted in pulses: it may stand at its edge without being clipped,
+and its steps do not show that there is noise."""
+
+ROUNDING = 1e-12
+"""Scatter, of the largest reading of a channel, that is no noise."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -109,7 +117,7 @@ def observations(
     random : tuple of RandomErrors, optional
         Random errors of gyros and accelerometers, in units of their input. The variance of a mean over a placement is
         then their Allan variance at its duration, which counts bias instability too. By default it follows from the
-        differences of successive samples, taken as white.
+        scatter of the samples, taken as white, about what a steady turn makes of tilts and the Earth's rotation.
     equivalents : array_like, shape (6,), optional
         Approximate readings per unit of input, gyros then accelerometers, for `random`.
 
@@ -133,9 +141,9 @@ def observations(
     _require_vertical(schedule, readings[:, 3:])
     counts = np.array([len(piece) for piece in pieces])
     if random is None:
-        # successive differences: the Earth's rotation, which a turn sweeps slowly through the samples, is no noise
-        steps = [np.diff(piece[list(IMU_COLUMNS)].to_numpy(), axis=0) for piece in pieces]
-        variance = np.stack([np.mean(step**2, axis=0) / 2 for step in steps]) / counts[:, None]
+        scatter = np.stack([_scatter(*pair) for pair in zip(schedule.placements, pieces, strict=True)])
+        largest = np.max([piece[list(IMU_COLUMNS)].abs().max() for piece in pieces], axis=0)
+        variance = np.where(scatter > (ROUNDING * largest) ** 2, scatter, 0.0) / counts[:, None]
     else:
         scale = checks.finite_array("equivalents", equivalents, shape=(6,))
         durations = np.array([placement.duration for placement in schedule.placements])
@@ -165,11 +173,12 @@ def expected_inputs(schedule: Schedule, laboratory: Laboratory) -> tuple[NDArray
 def _pieces(recording: "DataFrame", schedule: Schedule) -> list["DataFrame"]:
     """The part of a recording that belongs to each placement."""
     checks.columns(recording, (*IMU_COLUMNS, "position"), name="recording")
-    labels = recording["position"].astype(object).to_numpy()
+    column = recording["position"].astype(object)
+    labels = column.where(column.notna(), None).to_numpy()
     changes = np.flatnonzero(labels[1:] != labels[:-1]) + 1
     runs: dict[str, list[tuple[int, int]]] = {}
     for start, stop in zip([0, *changes], [*changes, len(labels)], strict=True):
-        if isinstance(labels[start], str):  # NaN between placements
+        if start < stop and isinstance(labels[start], str):  # None between placements
             runs.setdefault(labels[start], []).append((start, stop))
     if missing := [label for label in schedule.labels if label not in runs]:
         raise ValueError(f"`recording` must hold every position of the schedule, got none of {_quoted(missing)}")
@@ -208,24 +217,50 @@ def _require_sound(placement: Placement, piece: "DataFrame") -> None:
 def _require_alive(schedule: Schedule, pieces: Sequence["DataFrame"]) -> None:
     """Errors for channels that are clipped, or frozen where readings at rest show that there is noise."""
     values = [piece[list(IMU_COLUMNS)].to_numpy(dtype=float) for piece in pieces]
-    for placement, columns in zip(schedule.placements, values, strict=True):
-        for name, column in zip(IMU_COLUMNS, columns.T, strict=True):
-            for edge in (column.max(), column.min()):
+    steps = np.zeros((len(pieces), len(IMU_COLUMNS)), dtype=int)
+    for row, placement, columns in zip(steps, schedule.placements, values, strict=True):
+        for channel, column in enumerate(columns.T):
+            levels, counts = np.unique(column, return_counts=True)
+            if levels[-1] - levels[0] <= ROUNDING * np.abs(levels).max():
+                levels, counts = levels[:1], counts[:1]
+            row[channel] = len(levels)
+            edge = _clipped_at(levels, counts)
+            if edge is not None:
                 share = np.mean(column == edge)
-                if share > CLIPPED_SHARE and len(np.unique(column)) > FEW_STEPS:
-                    raise ValueError(
-                        f"position {placement.label!r}: `{name}` is clipped, {share:.0%} of its samples are {edge:.9g}"
-                    )
-    spread = np.stack([np.ptp(columns, axis=0) for columns in values])
+                raise ValueError(
+                    f"position {placement.label!r}: `{IMU_COLUMNS[channel]}` is clipped, {share:.0%} of its samples "
+                    f"are {edge:.9g}"
+                )
     still = [placement.rate == 0 for placement in schedule.placements]
-    if not any(still):
-        return
-    noisy = np.repeat((spread[still].reshape(sum(still), 2, 3) > 0).any(axis=(0, 2)), 3)
-    for placement, row, columns in zip(schedule.placements, spread, values, strict=True):
-        for channel in np.flatnonzero(noisy & (row == 0)):
+    noisy = np.repeat((steps[still].reshape(-1, 2, 3) > FEW_STEPS).any(axis=(0, 2)), 3)
+    for row, placement, columns in zip(steps, schedule.placements, values, strict=True):
+        for channel in np.flatnonzero(noisy & (row == 1)):
             raise ValueError(
                 f"position {placement.label!r}: `{IMU_COLUMNS[channel]}` is frozen at {columns[0, channel]:.9g}"
             )
+
+
+def _clipped_at(levels: NDArray[np.float64], counts: NDArray[np.int_]) -> float | None:
+    """Reading at which a channel is clipped, from its different readings and how often each came; None if it is not."""
+    if len(levels) <= FEW_STEPS:
+        return None
+    for edge, beside in ((-1, -2), (0, 1)):
+        if counts[edge] > max(CLIPPED_SHARE * counts.sum(), EDGE_OVER_NEXT * counts[beside]):
+            return levels[edge]
+    return None
+
+
+def _scatter(placement: Placement, piece: "DataFrame") -> NDArray[np.float64]:
+    """Variance of the samples of each channel about a constant and, in a turn, a sine of the angle, shape (6,)."""
+    values = piece[list(IMU_COLUMNS)].to_numpy(dtype=float)
+    known = np.ones((len(values), 1))
+    if placement.rate and len(values) > 3:
+        angle = placement.rate * (piece.index.to_numpy(dtype=float) - piece.index[0])
+        known = np.column_stack([known, np.cos(angle), np.sin(angle)])
+    left, singular, _ = np.linalg.svd(known, full_matrices=False)
+    left = left[:, singular > 1e-10 * singular[0]]  # a small part of a turn looks like a line
+    rest = values - left @ (left.T @ values)
+    return np.sum(rest**2, axis=0) / (len(values) - left.shape[1])
 
 
 def _require_vertical(schedule: Schedule, accelerometers: NDArray[np.float64]) -> None:

@@ -266,9 +266,16 @@ def rate_sequence(rates: Iterable[float] = RATES, duration: float = 2 * MINUTE, 
     duration : float, optional
         Duration of each, s.
     axes : str, optional
-        Axes to turn about.
+        Axes to turn about, letters of "xyz".
+
+    Raises
+    ------
+    ValueError
+        If a rate is not finite, too large or given twice, or an axis is none of the three.
     """
     rates = [checks.finite("rates", rate, "rad/s") for rate in rates]
+    for axis in axes:
+        checks.option("axes", axis, "xyz")
     return Schedule(
         [
             Placement(
