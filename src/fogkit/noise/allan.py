@@ -99,6 +99,8 @@ class AllanDeviation(ArrayRecord):
             for power, name in BY_SLOPE.items()
         }
         nearest = np.clip(np.rint(self._slopes()), -2, 1)
+        # what looks like quantization beyond a flatter part is a chance, and its many degrees of freedom are not there
+        nearest = np.where(np.logical_or.accumulate(nearest > -2, axis=0), np.maximum(nearest, -1), nearest)
         pure = {p: v.reshape(-1, *[1] * (self.deviation.ndim - 1)) for p, v in pure.items()}
         return np.select([nearest == power for power in pure], list(pure.values()))
 

@@ -100,6 +100,12 @@ def covariance_of_squares(squares: Array, factors: tuple[int, ...], count: int, 
     return np.einsum("p,q,pqij->ij", scaled, scaled, _tensor(factors, count))
 
 
+def quadratic_form(weights: Array, factors: tuple[int, ...], count: int, dt: float) -> Array:
+    """Matrix (5, 5) whose quadratic form of the squares is the variance of a weighted sum of Allan variances."""
+    scale = dt**SLOPES
+    return scale[:, None] * np.einsum("pqij,i,j->pq", _tensor(factors, count), weights, weights) * scale
+
+
 def mean_of_squares(factors: tuple[int, ...], dt: float) -> Array:
     """Allan variances per squared coefficient, shape (j, 5)."""
     return FACTORS * (dt * np.array(factors, dtype=float))[:, None] ** SLOPES

@@ -27,7 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 from fogkit import checks, estimation
 from fogkit.noise._records import ArrayRecord
 from fogkit.noise.allan import AllanDeviation, allan_deviation, octaves, record
-from fogkit.noise.covariance import checked_factors, covariance_of_squares, mean_of_squares
+from fogkit.noise.covariance import checked_factors, covariance_of_squares, mean_of_squares, quadratic_form
 from fogkit.noise.processes import PROCESSES, UNITS, RandomErrors
 
 if TYPE_CHECKING:
@@ -45,8 +45,12 @@ ITERATIONS = 200
 TOLERANCE = 1e-6
 """Change of an estimate, in its standard deviations, at which the repetition of fit and weight ends."""
 
-LARGEST_CONDITION = 50.0
-"""Condition number of the weighted fit above which processes count as hardly told apart."""
+LARGEST_CONDITION = 20.0
+"""Condition number of the weighted fit above which processes count as hardly told apart: the three usual ones have 2 to
+5 on a record in which each shows, all five some 25."""
+
+LARGEST_BOUND = 1e12
+"""Upper bound of a square, in its standard deviations, that counts as none."""
 
 LARGEST_UNCERTAINTY = 0.5
 """Relative standard deviation of a coefficient above which the record counts as too short to determine it."""
@@ -143,13 +147,14 @@ class Identification(ArrayRecord):
 
         Notes
         -----
-        The interval holds the true values for which the estimate would not be in either tail. For a true square x the
-        estimate has the mean x and the variance ``a + b x + c x**2``, exactly, from the covariance of the Allan
-        variances; its distribution is taken to be a shifted gamma distribution, the third cumulant of which is that of
-        the process's own part, ``2 c**2 x**3``. Alone, the process has a chi-square interval; near zero it is Gaussian.
+        The interval holds the true values for which the estimate would not be in either tail. For a true square x, and
+        the other squares where they fit best with it, the estimate has the mean x and a variance v(x) that follows from
+        the covariance of the Allan variances, exactly. Its distribution is taken to be a shifted gamma distribution
+        with the third cumulant of the process's own part, ``2 c**2 x**3`` if that part of v is ``c x**2``. Alone, the
+        process has a chi-square interval; near zero it is Gaussian.
         """
         tail = (1 - checks.in_open_interval("level", level, 0, 1)) / 2
-        return np.sqrt([_bounds(*self._moments(i), tail) for i in range(len(self.processes))])
+        return np.sqrt([self._bounds(i, tail) for i in range(len(self.processes))])
 
     def significant(self, level: float = 0.95) -> tuple[str, ...]:
         """Processes whose interval at a level does not reach zero."""
@@ -185,17 +190,21 @@ class Identification(ArrayRecord):
         }
         return pd.DataFrame(columns, index=pd.Index(self.processes, name="quantity"))
 
-    def _moments(self, i: int) -> tuple[float, Array]:
-        """Estimated square of one process, and a, b, c of the variance that it has for a true square x."""
-        weight, place = self.weights[i], PROCESSES.index(self.processes[i])
-        unit = float(np.sqrt(self.squares_covariance[i, i]))  # so that none of the three is lost beside another
-        others, own = self.estimate.squares.copy(), np.zeros(len(PROCESSES))
-        others[place], own[place] = 0.0, unit
-        without, alone, both = (
-            float(weight @ _covariance(self.allan, squares) @ weight) for squares in (others, own, others + own)
-        )
-        polynomial = np.array([without, (both - without - alone) / unit, alone / unit**2])
-        return float(max(self.squares[i], 0.0)), np.maximum(polynomial, 0.0)
+    def _bounds(self, i: int, tail: float) -> tuple[float, float]:
+        """Bounds of one square."""
+        unit = float(np.sqrt(self.squares_covariance[i, i]))
+        place, places = PROCESSES.index(self.processes[i]), [PROCESSES.index(name) for name in self.processes]
+        form = quadratic_form(self.weights[i], tuple(self.allan.factors.tolist()), self.allan.count, self.allan.dt)
+        # along this line the other squares follow x so that chi-square stays least
+        slope = _all(self.squares_covariance[:, i] / unit**2, places)
+        origin = self.estimate.squares - self.estimate.squares[place] * slope
+
+        def variance(x: float) -> float:
+            squares = np.maximum(origin + x * unit * slope, 0.0)
+            return float(squares @ form @ squares) / unit**2
+
+        low, high = _test_inversion(max(self.squares[i], 0.0) / unit, variance, float(form[place, place]), tail)
+        return low * unit, high * unit
 
 
 def identify(
@@ -244,8 +253,8 @@ def identify(
     >>> found = identify(rate, 1.0, processes=["angle_random_walk", "bias_instability"])
     >>> for name, value, sigma in zip(found.processes, found.coefficients, found.standard_deviation):
     ...     print(f"{name}: {value:.3f} +- {sigma:.3f}")
-    angle_random_walk: 0.997 +- 0.003
-    bias_instability: 0.203 +- 0.004
+    angle_random_walk: 0.998 +- 0.003
+    bias_instability: 0.199 +- 0.004
     """
     allan = _allan(rate, dt, averaging)
     names = _names(processes, len(allan.tau))
@@ -423,26 +432,25 @@ def _non_negative(fit: Callable[[NDArray[np.bool_]], estimation.Solution], count
     return best, full.standard_deviation
 
 
-def _bounds(estimate: float, polynomial: Array, tail: float) -> tuple[float, float]:
-    """Squares for which an estimate is at the upper and at the lower tail: see `Identification.interval`."""
+def _test_inversion(
+    estimate: float, variance: Callable[[float], float], own: float, tail: float
+) -> tuple[float, float]:
+    """Bounds of a square, in units of its standard deviation: see `Identification.interval`."""
     from scipy.optimize import brentq  # loaded where used
     from scipy.special import gammainc, gammaincc
 
-    a, b, c = polynomial
-    unit = np.sqrt(np.polynomial.polynomial.polyval(estimate, polynomial))
-
     def outside(x: float, upper: bool) -> float:
-        variance = a + b * x + c * x**2
-        skewness = max(2 * c**2 * x**3 / variance**1.5, 1e-3)  # below, the gamma distribution is a Gaussian one
+        spread = max(variance(x), 1e-24) ** 0.5  # a process alone has none at x = 0
+        skewness = max(2 * own**2 * (x / spread) ** 3, 1e-3)  # with less, the gamma distribution is a Gaussian one
         shape = 4 / skewness**2
-        place = max(shape + (estimate - x) * np.sqrt(shape / variance), 0.0)
+        place = max(shape + (estimate - x) * shape**0.5 / spread, 0.0)
         return (gammainc if upper else gammaincc)(shape, place) - tail
 
     low = brentq(outside, 0.0, estimate, args=(False,)) if outside(0.0, False) < 0 else 0.0
-    high = estimate + unit
+    high = estimate + 1.0
     while outside(high, True) > 0:
-        high += 2 * (high - estimate)
-        if high > estimate + 1e9 * unit:
+        high *= 2
+        if high > LARGEST_BOUND:
             return low, np.inf
     return low, brentq(outside, estimate, high, args=(True,))
 

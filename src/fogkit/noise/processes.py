@@ -186,7 +186,7 @@ def simulate(
     """Record of random errors: mean rate over each sample.
 
     Bias instability and rate random walk have no level of their own: the first starts with a sample of 0, the second
-    at 0. Work grows as ``count * ln(count)``; the peak of memory is 80 bytes per sample of one channel.
+    at 0. Work grows as ``count * ln(count)``; the peak of memory is 60 bytes per sample of one channel.
 
     Parameters
     ----------
@@ -222,11 +222,12 @@ def simulate(
     count = checks.integer("count", count, minimum=1)
     dt = checks.positive("dt", dt, "s")
     rng = checks.generator("rng", rng)
+    amplitudes = _flicker_amplitudes(count) if errors.bias_instability and count > 1 else None
     if channels is None:
-        return _channel(errors, count, dt, rng)
+        return _channel(errors, count, dt, rng, amplitudes)
     rate = np.empty((count, checks.integer("channels", channels, minimum=1)))
     for column in rate.T:
-        column[:] = _channel(errors, count, dt, rng)
+        column[:] = _channel(errors, count, dt, rng, amplitudes)
     return rate
 
 
@@ -261,13 +262,13 @@ def quantize(rate: ArrayLike, dt: float, step: float) -> Array:
     return np.diff(steps, axis=0, prepend=0.0) * (step / dt)
 
 
-def _channel(errors: RandomErrors, count: int, dt: float, rng: np.random.Generator) -> Array:
+def _channel(errors: RandomErrors, count: int, dt: float, rng: np.random.Generator, amplitudes: Array | None) -> Array:
     """Record of one channel."""
     rate = np.zeros(count)
     if errors.angle_random_walk:
         rate += errors.angle_random_walk / sqrt(dt) * rng.standard_normal(count)
-    if errors.bias_instability:
-        rate += errors.bias_instability * _flicker(count, rng)
+    if amplitudes is not None:
+        rate += errors.bias_instability * _flicker(count, rng, amplitudes)
     if errors.rate_random_walk:
         rate += errors.rate_random_walk * sqrt(dt) * _walk_means(count, rng)
     if errors.rate_ramp:
@@ -287,21 +288,26 @@ def _walk_means(count: int, rng: np.random.Generator) -> Array:
     return means
 
 
-def _flicker(count: int, rng: np.random.Generator) -> Array:
-    """Means of flicker noise with B = 1 over successive intervals of any length, the first one 0."""
-    from scipy.fft import irfft, next_fast_len  # loaded where used
+def _flicker_amplitudes(count: int) -> Array:
+    """Amplitudes of the spectral lines of periodic flicker increments, enough for a record, shape (half + 1,)."""
+    from scipy.fft import next_fast_len  # loaded where used
 
-    means = np.zeros(count)
-    if count == 1:
-        return means
     half = next_fast_len(count, real=True)
-    spectrum = embedding(half)
-    shape = rng.standard_normal((2, half + 1))
-    # the real and the imaginary part share the power; both ends of the spectrum are real
-    shape *= np.sqrt(half * spectrum)
-    shape[0, [0, half]] *= sqrt(2)
-    shape[1, [0, half]] = 0.0
-    np.cumsum(irfft(shape[0] + 1j * shape[1], 2 * half)[: count - 1], out=means[1:])
+    amplitudes = np.sqrt(half * embedding(half))
+    amplitudes[[0, half]] *= sqrt(2)  # lines without an imaginary part, which has half of the power of the others
+    return amplitudes
+
+
+def _flicker(count: int, rng: np.random.Generator, amplitudes: Array) -> Array:
+    """Means of flicker noise with B = 1 over successive intervals of any length, the first one 0."""
+    from scipy.fft import irfft  # loaded where used
+
+    lines = rng.standard_normal((amplitudes.size, 2))
+    lines *= amplitudes[:, None]
+    lines[[0, -1], 1] = 0.0
+    increments = irfft(lines.view(np.complex128)[:, 0], 2 * (amplitudes.size - 1))
+    means = np.zeros(count)
+    np.cumsum(increments[: count - 1], out=means[1:])
     return means
 
 
