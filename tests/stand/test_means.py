@@ -290,6 +290,17 @@ def test_no_alarm_without_noise(plan, seed):
     assert measured(EXACT, PLANS[plan], laboratory, sample_rate=2.0).covariance is None
 
 
+def test_no_alarm_for_rounding():
+    # a noise-free channel near the crest of a slow sine: six readings one rounding apart, half of them the largest
+    table = recorded(unit=EXACT)
+    rows = np.flatnonzero(table["position"] == "3")
+    value = table["accel_z"].iloc[rows[0]]
+    steps = np.concatenate([np.arange(-15, 0) % 5 - 5, np.zeros(15)])
+    table.iloc[rows, table.columns.get_loc("accel_z")] = value + np.spacing(value) * steps
+    assert len(np.unique(table["accel_z"].iloc[rows])) == 6
+    assert observations(table, SIX, LABORATORY).covariance is None
+
+
 def test_no_alarm_for_an_accelerometer_that_points_backwards():
     matrix = np.diag([1.0, -1.0, 1.0])
     unit = replace(NOISY, accelerometers=replace(NOISY.accelerometers, triad=LinearTriad(matrix=matrix)))
