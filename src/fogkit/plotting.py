@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING
 import matplotlib.pyplot as plt
 import numpy as np
 
+from fogkit.noise import AllanDeviation, Identification, RandomErrors
+from fogkit.noise.processes import PROCESSES
 from fogkit.optics import interferometer, simulate
 from fogkit.optics.gyro import ClosedLoopGyro
 from fogkit.optics.loop import Loop
 from fogkit.optics.motion import Ramp
-from fogkit.units import DEG_PER_SECOND, MICROSECOND
+from fogkit.units import DEG_PER_HOUR, DEG_PER_SECOND, MICROSECOND
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -147,5 +149,56 @@ def residual_within_periods(
     steady = acceleration * loop.regulation_period / loop.gain / DEG_PER_SECOND
     ax.axhline(steady, color="0.3", lw=1, ls="--", label="ε Δt / gain, mean of the steady state")
     ax.set(xlabel="time, µs", ylabel="uncompensated rate, deg/s")
+    below(ax)
+    return ax
+
+
+def allan(
+    result: AllanDeviation,
+    fit: "Identification | None" = None,
+    *,
+    truth: "RandomErrors | None" = None,
+    level: float = 0.95,
+    ax: "Axes | None" = None,
+) -> "Axes":
+    """Allan deviation of a gyro with its confidence intervals, and the processes that were found in it.
+
+    Parameters
+    ----------
+    result : AllanDeviation
+        Points, of one channel.
+    fit : Identification, optional
+        What was found: drawn as the sum and, thin, each process by itself. Its coefficients also give the intervals.
+    truth : RandomErrors, optional
+        What was planted.
+    level : float, optional
+        Probability of the intervals.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes, in deg/h against s.
+    """
+    ax = plt.subplots()[1] if ax is None else ax
+    low, high = result.interval(level, None if fit is None else fit.estimate)
+    bars = np.array([result.deviation - low, high - result.deviation]) / DEG_PER_HOUR
+    ax.errorbar(
+        result.tau, result.deviation / DEG_PER_HOUR, bars, fmt="C0o", ms=4, lw=1, label=f"record, {100 * level:g} %"
+    )
+    tau = np.geomspace(result.tau[0], result.tau[-1], 200)
+    bottom = 0.5 * float(low.min()) / DEG_PER_HOUR
+    if truth is not None:
+        ax.plot(tau, np.sqrt(truth.allan_variance(tau)) / DEG_PER_HOUR, "k--", lw=1.2, label="planted")
+    if fit is not None:
+        ax.plot(tau, np.sqrt(fit.estimate.allan_variance(tau)) / DEG_PER_HOUR, "C3", label="fit")
+        for i, name in enumerate(PROCESSES):
+            if value := getattr(fit.estimate, name):
+                alone = np.sqrt(RandomErrors(**{name: value}).allan_variance(tau)) / DEG_PER_HOUR
+                shown = alone > bottom  # a line that leaves the figure would stretch it
+                ax.plot(tau[shown], alone[shown], color=f"C{4 + i}", lw=1, ls=":", label=name.replace("_", " "))
+    ax.set(xscale="log", yscale="log", xlabel="averaging time, s", ylabel="Allan deviation, deg/h")
+    ax.set_ylim(bottom=bottom)
     below(ax)
     return ax
