@@ -1,14 +1,13 @@
 """What the laboratory chapters compute: covariances of means, closed forms, trials."""
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 
 from fogkit.calibration import multiposition
-from fogkit.noise.processes import RandomErrors, simulate
+from fogkit.noise.processes import RandomErrors
 from fogkit.reproduction.beihang import examples, laboratory
 from fogkit.reproduction.beihang.laboratory import PLACE, calibrate_both, example_unit, noise_free
 from fogkit.stand import placements
@@ -37,33 +36,12 @@ def test_printed_points_are_those_of_the_schedule():
     assert {label: letters[label] for label in examples.PRINTED_POINTS} == examples.PRINTED_POINTS
 
 
-def test_covariance_of_means_is_that_of_simulated_records(rng):
-    durations, dt, runs = (8.0, 4.0, 20.0, 8.0), 0.5, 20_000
-    edges = np.concatenate([[0], np.cumsum(np.array(durations) / dt).astype(int)])
-    records = simulate(NOISE, edges[-1], dt, rng, channels=runs)
-    means = np.stack([records[a:b].mean(axis=0) for a, b in pairwise(edges)])
-    expected = examples.means_covariance(schedule_of(*durations), NOISE, dt)
-    spread = np.sqrt(np.diag(expected))
-    # covariances of `runs` records, in units of the standard deviations: five of their own
-    assert_allclose(means @ means.T / runs / np.outer(spread, spread), expected / np.outer(spread, spread), atol=0.05)
-
-
-def test_neighbouring_means_differ_by_their_allan_variance():
+def test_means_one_after_the_other_are_followed_through_the_recording():
     C = examples.means_covariance(schedule_of(10.0, 10.0), NOISE, 0.1)
     difference = np.array([1, -1])
     assert difference @ C @ difference / 2 == pytest.approx(NOISE.allan_variance(10.0), rel=1e-12)
     alone = examples.each_for_itself(schedule_of(10.0, 10.0), NOISE)
     assert_allclose(alone, np.diag(np.full(2, NOISE.allan_variance(10.0))))
-
-
-def test_white_means_are_independent():
-    C = examples.means_covariance(schedule_of(10.0, 40.0), RandomErrors(angle_random_walk=2.0), 0.1)
-    assert_allclose(C, np.diag([0.4, 0.1]), rtol=1e-14)
-
-
-def test_covariance_of_other_processes_is_refused():
-    with pytest.raises(ValueError, match="`random` must be of angle random walk and bias instability"):
-        examples.means_covariance(schedule_of(10.0), RandomErrors(rate_random_walk=1.0), 0.1)
 
 
 def test_closed_forms_are_the_fit(plan):

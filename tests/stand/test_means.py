@@ -74,15 +74,30 @@ def test_positions_may_come_in_any_order():
     assert_array_equal(observations(back, SIX, LABORATORY).readings, observations(table, SIX, LABORATORY).readings)
 
 
-def test_covariance_from_stated_errors_is_their_allan_variance():
+def test_covariance_from_stated_errors_follows_the_recording():
     schedule = Schedule(
-        [Placement(label="1", axes="UEN", duration=4.0), Placement(label="2", axes="DES", duration=9.0)]
+        [Placement(label="1", axes="UEN", duration=4.0), Placement(label="2", axes="DES", duration=4.0)]
     )
     random = (RandomErrors(angle_random_walk=3.0), RandomErrors(bias_instability=2.0))
     observed = observations(recorded(schedule), schedule, LABORATORY, random=random, equivalents=[1, 2, 3, 4, 5, -6])
-    assert_array_equal(observed.covariance[1], np.diag([4 * 9 / 4, 4 * 9 / 9]))  # equivalent^2 N^2 / tau
-    flicker = 2 * np.log(2) / np.pi * 4  # the same at every time
-    assert_allclose(observed.covariance[5], 36 * flicker * np.eye(2), rtol=1e-15)
+    assert_allclose(observed.covariance[1], 4 * 9 / 4 * np.eye(2), rtol=1e-14)  # equivalent^2 N^2 / tau
+    # half the mean square of a difference of neighbours is the Allan variance, whatever was before
+    (a, c), (_, b) = observed.covariance[5]
+    assert_allclose((a + b - 2 * c) / 2, 36 * 2 * np.log(2) / np.pi * 4, rtol=1e-12)
+    assert c > 0
+
+
+def test_time_between_positions_counts_for_a_bias_that_wanders():
+    schedule = Schedule([Placement(label=label, axes="UEN", duration=4.0) for label in "12"])
+    table = recorded(schedule)
+    later = table.set_axis(np.where(table.position == "1", table.index, table.index + 3600.0)).rename_axis("time")
+    wandering = (RandomErrors(bias_instability=2.0),) * 2
+
+    def apart(recording):
+        C = observations(recording, schedule, LABORATORY, random=wandering).covariance[0]
+        return C[0, 0] + C[1, 1] - 2 * C[0, 1]
+
+    assert apart(later) > 3 * apart(table)
 
 
 @pytest.mark.parametrize("laboratory", [LABORATORY, CROOKED], ids=["level", "crooked"])

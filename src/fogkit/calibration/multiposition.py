@@ -10,7 +10,7 @@ turns (`turn_differences`) do the same for biases.
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -25,6 +25,8 @@ from fogkit.stand.placements import Schedule
 
 if TYPE_CHECKING:
     from pandas import DataFrame
+
+Weights = tuple[NDArray[np.float64], list[str]]
 
 TERMS = ("bias", "matrix", "acceleration_sensitivity")
 
@@ -281,18 +283,7 @@ def average_positions(observed: Observations, schedule: Schedule) -> Observation
         One for each position, in the order in which they were taken first. All placements of a position weigh alike,
         whatever their durations: only so do the horizontal inputs cancel.
     """
-    _require_same(observed, schedule)
-    groups: dict[tuple[int, int], list[int]] = {}
-    for i, placement in enumerate(schedule.placements):
-        if placement.rate == 0:
-            groups.setdefault(placement.vertical, []).append(i)
-    if not groups:
-        raise ValueError("`schedule` must hold positions at rest to average, got turns only")
-    weights = np.zeros((len(groups), len(schedule)))
-    for row, members in zip(weights, groups.values(), strict=True):
-        row[members] = 1 / len(members)
-    labels = [f"{AXES[axis]} {'up' if sign > 0 else 'down'}" for axis, sign in groups]
-    return observed.combine(weights, labels)
+    return _combined(observed, schedule, _averages)
 
 
 def turn_differences(observed: Observations, schedule: Schedule) -> Observations:
@@ -319,7 +310,44 @@ def turn_differences(observed: Observations, schedule: Schedule) -> Observations
     ValueError
         If a turn has no opposite of the same attitude and angle; the message names it.
     """
+    return _combined(observed, schedule, _differences)
+
+
+def averages_and_differences(observed: Observations, schedule: Schedule) -> Observations:
+    """Positions averaged over their headings, and differences of opposite turns: the slides' data for a whole unit.
+
+    Parameters
+    ----------
+    observed, schedule
+        As in `average_positions` and `turn_differences`, which it joins, with the covariance between both.
+    """
+    return _combined(observed, schedule, _averages, _differences)
+
+
+def _combined(observed: Observations, schedule: Schedule, *ways: Callable[[Schedule], Weights]) -> Observations:
+    """Combinations of observations by one or more ways to weight a schedule."""
     _require_same(observed, schedule)
+    parts = [way(schedule) for way in ways]
+    return observed.combine(np.concatenate([w for w, _ in parts]), [name for _, names in parts for name in names])
+
+
+def _averages(schedule: Schedule) -> Weights:
+    """Weights and names of the means of positions."""
+    groups: dict[tuple[int, int], list[int]] = {}
+    for i, placement in enumerate(schedule.placements):
+        if placement.rate == 0:
+            groups.setdefault(placement.vertical, []).append(i)
+    if not groups:
+        raise ValueError("`schedule` must hold positions at rest to average, got turns only")
+    weights = np.zeros((len(groups), len(schedule)))
+    for row, members in zip(weights, groups.values(), strict=True):
+        row[members] = 1 / len(members)
+    labels = [f"{AXES[axis]} {'up' if sign > 0 else 'down'}" for axis, sign in groups]
+    return weights, labels
+
+
+def _differences(schedule: Schedule) -> Weights:
+    """Weights and names of the differences of turns."""
     turning = [(i, p) for i, p in enumerate(schedule.placements) if p.rate]
     if not turning:
         raise ValueError("`schedule` must hold turns, got positions at rest only")
@@ -344,7 +372,7 @@ def turn_differences(observed: Observations, schedule: Schedule) -> Observations
     for row, (plus, minus) in zip(weights, pairs, strict=True):
         row[plus], row[minus] = durations[plus], -durations[minus]
         row /= durations[plus] + durations[minus]
-    return observed.combine(weights, [schedule.labels[plus] for plus, _ in pairs])
+    return weights, [schedule.labels[plus] for plus, _ in pairs]
 
 
 def _require_same(observed: Observations, schedule: Schedule) -> None:

@@ -292,7 +292,8 @@ def bias_from_east(
         raise ValueError("`observed` must have a covariance: one position for each bias tells no noise. Give `random`.")
     _, north, up = laboratory.omega_ie_n
     shared = np.array([azimuth_deviation * north, level_deviation * up])[:, None] * scale[axes]
-    covariance = np.diag(observed.covariance[axes, places, places]) + shared.T @ shared
+    same = axes[:, None] == axes  # the noise of different gyros is independent
+    covariance = np.where(same, observed.covariance[axes[:, None], places[:, None], places], 0.0) + shared.T @ shared
     names = [f"bias_{axis}" for axis in AXES]
     return EastBias(solution=linear(design, reading, covariance=covariance, names=names))
 

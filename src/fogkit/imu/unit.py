@@ -17,7 +17,7 @@ class Shape:
     Parameters
     ----------
     asymmetry : array_like, shape (3,), optional
-        Difference of the scale factors for positive and negative input, over their mean.
+        Difference of the scale factors for positive and negative input along the sensor's own axis, over their mean.
     quadratic : array_like, shape (3,), optional
         Second-order coefficient, per unit of input (IEEE 1293: K_2).
     cubic : array_like, shape (3,), optional

@@ -12,7 +12,7 @@ module              answers
 """
 
 from fogkit.noise.allan import AllanDeviation, allan_deviation
-from fogkit.noise.covariance import allan_covariance, equivalent_degrees_of_freedom
+from fogkit.noise.covariance import allan_covariance, equivalent_degrees_of_freedom, mean_covariance
 from fogkit.noise.identify import Identification, identify, predict
 from fogkit.noise.processes import PROCESSES, RandomErrors, quantize, simulate
 
@@ -25,6 +25,7 @@ __all__ = [
     "allan_deviation",
     "equivalent_degrees_of_freedom",
     "identify",
+    "mean_covariance",
     "predict",
     "quantize",
     "simulate",

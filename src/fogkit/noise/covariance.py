@@ -75,6 +75,72 @@ def allan_covariance(errors: RandomErrors, factors: ArrayLike, count: int, dt: f
     return covariance_of_squares(errors.squares, checked_factors(factors, count), count, dt)
 
 
+def mean_covariance(errors: RandomErrors, start: ArrayLike, stop: ArrayLike, reference: float) -> Array:
+    """Covariance matrix of the mean errors in several pieces of one recording.
+
+    White noise is new in each piece. Bias instability and rate random walk are not: they wander on from piece to piece.
+    They have no level of their own, so their mean over a short reference at the beginning of the first piece stands
+    for it: what is left of them is how far they have wandered since.
+
+    Parameters
+    ----------
+    errors : RandomErrors
+        Coefficients of the noise, without a ramp.
+    start, stop : array_like, shape (n,)
+        Times at which the pieces begin and end, s; pieces do not overlap.
+    reference : float
+        Length of the reference, s: a sampling time, say.
+
+    Returns
+    -------
+    ndarray, shape (n, n)
+        Covariances, (rad/s)^2.
+
+    Raises
+    ------
+    ValueError
+        If a piece does not end after it begins, pieces overlap, or there is a ramp, which is no chance.
+
+    Examples
+    --------
+    Two means of a minute, next to each other and an hour apart: a bias that wanders makes them differ more.
+
+    >>> bias = RandomErrors(bias_instability=1.0)
+    >>> for later in (60.0, 3600.0):
+    ...     P = mean_covariance(bias, [0.0, later], [60.0, later + 60.0], 1.0)
+    ...     print(f"{np.sqrt(P[0, 0] + P[1, 1] - 2 * P[0, 1]):.2f}")
+    0.94
+    1.89
+    """
+    checks.instance("errors", errors, RandomErrors)
+    start = checks.finite_array("start", start, ndim=1)
+    stop = checks.finite_array("stop", stop, shape=start.shape)
+    reference = checks.positive("reference", reference, "s")
+    if (stop <= start).any():
+        raise ValueError("`stop` must be later than `start` in every piece")
+    order = np.argsort(start)
+    rounding = 1e-9 * float(np.ptp(np.append(start, stop)))
+    if (start[order][1:] < stop[order][:-1] - rounding).any():
+        raise ValueError("`start` and `stop` must be of pieces that do not overlap")
+    if errors.rate_ramp:
+        raise ValueError(f"`errors` must be without a ramp, which is no chance, got {errors.rate_ramp}")
+    first = float(start.min())
+    edges = np.array([np.append(start, first), np.append(stop, first + reference)]) - first
+    length = edges[1] - edges[0]
+    lag = np.abs(edges[:, None, :, None] - edges[None, :, None, :])
+
+    def shared(angle: Array) -> Array:
+        """Covariance of means from the generalised covariance of the angle at all lags, shape (2, 2, n + 1, n + 1)."""
+        return (angle[1, 1] - angle[1, 0] - angle[0, 1] + angle[0, 0]) / (length[:, None] * length)
+
+    wandering = errors.bias_instability**2 * lag**2 * np.log(np.where(lag > 0, lag, 1.0)) / (2 * np.pi)
+    wander = shared(wandering + errors.rate_random_walk**2 * lag**3 / 12)
+    wander = wander[:-1, :-1] - wander[:-1, -1:] - wander[-1:, :-1] + wander[-1, -1]
+    coincident = lag <= rounding
+    fresh = shared(np.where(coincident, errors.quantization**2, 0.0))[:-1, :-1]
+    return wander + fresh + np.diag(errors.angle_random_walk**2 / length[:-1])
+
+
 def equivalent_degrees_of_freedom(errors: RandomErrors, factors: ArrayLike, count: int, dt: float) -> Array:
     """Degrees of freedom of the chi-square with mean and variance of each Allan variance: ``2 mean**2 / variance``.
 

@@ -37,7 +37,7 @@ class Laboratory:
     latitude : float
         Geodetic latitude, rad.
     gravity : float, optional
-        Gravity, m/s^2; by default normal gravity at the latitude.
+        Gravity, m/s^2; by default normal gravity at the latitude (`dataclasses.replace` of the latitude keeps it).
     level_east, level_north : float, optional
         Small rotation of the plate, or of the table's axis, about east and north, rad.
     azimuth_error : float, optional

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fogkit import checks
-from fogkit.noise.processes import RandomErrors
+from fogkit.noise import RandomErrors, mean_covariance
 from fogkit.stand.laboratory import IMU_COLUMNS, Laboratory
 from fogkit.stand.placements import Placement, Schedule
 
@@ -115,9 +115,10 @@ def observations(
     laboratory : Laboratory
         What is believed of the place: latitude, gravity, and errors known from elsewhere.
     random : tuple of RandomErrors, optional
-        Random errors of gyros and accelerometers, in units of their input. The variance of a mean over a placement is
-        then their Allan variance at its duration, which counts bias instability too. By default it follows from the
-        scatter of the samples, taken as white, about what a steady turn makes of tilts and the Earth's rotation.
+        Random errors of gyros and accelerometers, in units of their input. The covariance of the means is then that of
+        `fogkit.noise.mean_covariance`: a bias that wanders is followed through the whole recording, relative to the
+        first sample. By default it follows from the scatter of the samples about what a steady turn makes of tilts and
+        the Earth's rotation, taken as white; the standard deviations are then too small where a bias wanders.
     equivalents : array_like, shape (6,), optional
         Approximate readings per unit of input, gyros then accelerometers, for `random`.
 
@@ -144,14 +145,14 @@ def observations(
         scatter = np.stack([_scatter(*pair) for pair in zip(schedule.placements, pieces, strict=True)])
         largest = np.max([piece[list(IMU_COLUMNS)].abs().max() for piece in pieces], axis=0)
         variance = np.where(scatter > (ROUNDING * largest) ** 2, scatter, 0.0) / counts[:, None]
+        covariance = np.stack([np.diag(column) for column in variance.T])
     else:
         scale = checks.finite_array("equivalents", equivalents, shape=(6,))
-        durations = np.array([placement.duration for placement in schedule.placements])
-        each = np.stack([errors.allan_variance(durations) for errors in random], axis=-1)
-        variance = np.repeat(each, 3, axis=-1) * scale**2
-    covariance = None
-    if (variance > 0).all():
-        covariance = np.stack([np.diag(column) for column in variance.T])
+        start = np.array([piece.index[0] for piece in pieces])
+        dt = float(np.mean(np.diff(pieces[0].index)))
+        each = [mean_covariance(errors, start, start + counts * dt, dt) for errors in random]
+        covariance = np.repeat(each, 3, axis=0) * scale[:, None, None] ** 2
+    known = (np.diagonal(covariance, axis1=1, axis2=2) > 0).all()
     omega, force = expected_inputs(schedule, laboratory)
     return Observations(
         labels=tuple(schedule.labels),
@@ -159,7 +160,7 @@ def observations(
         bias_share=np.ones(len(schedule)),
         omega_ib_b=omega,
         f_ib_b=force,
-        covariance=covariance,
+        covariance=covariance if known else None,
     )
 
 

@@ -16,7 +16,7 @@ from fogkit.calibration.multiposition import LinearCalibration
 from fogkit.calibration.rate_sequence import ScaleFactorFit
 from fogkit.imu.triads import AXES, LinearTriad
 from fogkit.imu.unit import MeasurementUnit
-from fogkit.noise.processes import RandomErrors
+from fogkit.noise import RandomErrors, mean_covariance
 from fogkit.reproduction.beihang.laboratory import (
     ACCELEROMETER_NOISE,
     ACCELEROMETER_PULSE,
@@ -60,42 +60,19 @@ def equivalents_of(unit: MeasurementUnit) -> NDArray[np.float64]:
 
 
 def means_covariance(schedule: Schedule, random: RandomErrors, dt: float) -> NDArray[np.float64]:
-    """Covariance of the mean errors in the placements of one unbroken recording, shape (n, n), in squared input units.
-
-    White noise is new in each mean. Bias instability is not: it wanders on from placement to placement. It has no level
-    of its own, so that its value in the first sample stands for the level, as in `fogkit.noise.processes.simulate`.
+    """Covariance of the mean errors if one placement follows straight after the other, shape (n, n), squared inputs.
 
     Parameters
     ----------
     schedule : Schedule
-        What is done, one placement straight after the other.
+        What is done.
     random : RandomErrors
-        Angle random walk and bias instability of the sensor.
+        Random errors of the sensor.
     dt : float
         Sample time, s.
-
-    Raises
-    ------
-    ValueError
-        If there is another process in `random`.
     """
-    dt = checks.positive("dt", dt, "s")
-    if random.rate_random_walk or random.rate_ramp or random.quantization:
-        raise ValueError(f"`random` must be of angle random walk and bias instability, got {random}")
-    durations = np.array([placement.duration for placement in schedule.placements])
-    stop = np.concatenate([[dt], np.cumsum(durations)])  # the first sample, then the placements
-    length = np.concatenate([[dt], durations])
-    start = stop - length
-
-    def angle(lag: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Generalised covariance of the angle of flicker of the rate, see `fogkit.noise.increments`."""
-        size = np.abs(lag)
-        return size**2 * np.log(np.where(size > 0, size, 1.0)) / (2 * np.pi)
-
-    pairs = [(stop, stop, 1), (stop, start, -1), (start, stop, -1), (start, start, 1)]
-    shared = sum(sign * angle(a[:, None] - b) for a, b, sign in pairs) / (length[:, None] * length)
-    shared = shared[1:, 1:] - shared[1:, :1] - shared[:1, 1:] + shared[0, 0]
-    return random.bias_instability**2 * shared + np.diag(random.angle_random_walk**2 / durations)
+    stop = np.cumsum([placement.duration for placement in schedule.placements])
+    return mean_covariance(random, np.append(0.0, stop[:-1]), stop, dt)
 
 
 def each_for_itself(schedule: Schedule, random: RandomErrors) -> NDArray[np.float64]:

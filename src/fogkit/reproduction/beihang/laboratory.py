@@ -131,15 +131,15 @@ def calibrate_both(
         The results.
     """
     still = [i for i, placement in enumerate(schedule.placements) if placement.rate == 0]
-    at_rest = (
-        multiposition.average_positions(observed, schedule)
-        if averaged
-        else observed.combine(np.eye(len(schedule))[still], [schedule.labels[i] for i in still])
-    )
-    turns = multiposition.turn_differences(observed, schedule)
+    if averaged:
+        at_rest = multiposition.average_positions(observed, schedule)
+        everything = multiposition.averages_and_differences(observed, schedule)
+    else:
+        at_rest = observed.combine(np.eye(len(schedule))[still], [schedule.labels[i] for i in still])
+        everything = at_rest.joined(multiposition.turn_differences(observed, schedule))
     return (
         multiposition.calibrate_accelerometers(at_rest),
-        multiposition.calibrate_gyros(at_rest.joined(turns), acceleration_sensitivity=mechanical),
+        multiposition.calibrate_gyros(everything, acceleration_sensitivity=mechanical),
     )
 
 
