@@ -145,7 +145,7 @@ class CoilBias:
         return self.constant + (np.asarray(temperatures) - self.reference) @ a + np.asarray(rates) @ b
 
     def noise(self, size: int, interval: float, rng: np.random.Generator) -> NDArray[np.float64]:
-        """Noise of one run, rad/s, shape (size,): its offset, and white noise ``angle_random_walk / sqrt(interval)``."""
+        """Noise of one run, rad/s, shape (size,): an offset, and white of ``angle_random_walk / sqrt(interval)``."""
         white = self.angle_random_walk / np.sqrt(interval) * rng.standard_normal(size)
         return self.bias_repeatability * rng.standard_normal() + white
 
@@ -167,7 +167,7 @@ def example_gyro(
     return CoilBias(
         constant=0.3 * DEG_PER_HOUR,
         temperature={"coil_top": per_kelvin, "coil_bottom": per_kelvin, "electronics": -per_kelvin},
-        rate={"coil_top": shupe, "coil_bottom": -shupe, "electronics": 40 * per_kelvin * MINUTE},
+        rate={"coil_top": shupe, "coil_bottom": -shupe, "electronics": 10 * per_kelvin * MINUTE},
         angle_random_walk=angle_random_walk,
         bias_repeatability=bias_repeatability,
     )

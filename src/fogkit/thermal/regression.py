@@ -24,8 +24,8 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 CONDITION_LIMIT = 1000.0
-"""Condition number of the centred and scaled regressors above which `fit` warns: one combination of them is then known a
-thousand times worse than another. The usual limit of 30 would warn of every coil: its two faces differ by a few
+"""Condition number of the centred and scaled regressors above which `fit` warns: one combination of them is then known
+a thousand times worse than another. The usual limit of 30 would warn of every coil: its two faces differ by a few
 kelvin while both go through a hundred."""
 
 COVARIANCES = ("ols", "hac", "cluster")

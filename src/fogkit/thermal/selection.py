@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from pandas import DataFrame
 
 FAMILY_WISE = 0.01
-"""Default probability that a pruning keeps a point that has no effect. With independent rows the chance of the exact set
-is then at least 99 % if the true points are clear; what is left to 95 % is for what independence misses."""
+"""Default probability that a pruning keeps a point that has no effect. With independent rows the chance of the exact
+set is then at least 99 % if the true points are clear; what is left to 95 % is for what independence misses."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -226,7 +226,7 @@ def cross_validate(
     if len(runs) < 2:
         raise ValueError(f"`tables` must hold at least two runs to leave one out, got {len(runs)}")
     values = responses_of(runs, response)
-    labelled = models if isinstance(models, Mapping) else {model.name: model for model in models}
+    labelled = _labelled(models)
     rows = {}
     for label, model in labelled.items():
         before, after, within = [], [], []
@@ -239,6 +239,17 @@ def cross_validate(
         before, after, within = (float(np.sqrt(np.mean(np.concatenate(v) ** 2))) for v in (before, after, within))
         rows[label] = {"before": before, "after": after, "within_run": within, "removed": 1 - after / before}
     return pd.DataFrame(rows).T.rename_axis("model")
+
+
+def _labelled(models: Iterable[TemperatureModel] | Mapping[str, TemperatureModel]) -> Mapping[str, TemperatureModel]:
+    """Models by label."""
+    if isinstance(models, Mapping):
+        return models
+    models = list(models)
+    names = [model.name for model in models]
+    if len(set(names)) < len(names):
+        raise ValueError(f"`models` must have different names, got {names}. Give a mapping of labels to models")
+    return dict(zip(names, models, strict=True))
 
 
 @dataclass(frozen=True, kw_only=True)
