@@ -12,10 +12,10 @@ import numpy as np
 from fogkit.claims import Proof
 from fogkit.constants import EARTH_RATE
 from fogkit.earth import earth_rate_n, gravity_n
-from fogkit.reproduction.beihang import derivation, effects, formulas, points, rates, redundancy, slides
+from fogkit.reproduction.beihang import derivation, effects, formulas, points, rates, redundancy, slides, temperature
 from fogkit.units import ARCSEC, DEG, DEG_PER_HOUR, DEG_PER_SECOND, MINUTE
 
-__all__ = ["derivation", "effects", "formulas", "points", "rates", "redundancy", "slides", "values"]
+__all__ = ["derivation", "effects", "formulas", "points", "rates", "redundancy", "slides", "temperature", "values"]
 
 _BEST_RATE = slides.RATE_RANGE
 
@@ -192,6 +192,7 @@ def _temperature() -> dict:
         return lambda: _model(name, count) and formulas.formulas()[name].is_linear
 
     return {
+        **{f"temp-{name}": statement for name, statement in temperature.STATEMENTS.items()},
         "temp-bias": coefficients("bias-temperature", 3),
         "temp-regression": lambda: all(
             formulas.formulas()[name].is_linear for name in ("bias-temperature", "start-up-long", "steady-state")

@@ -118,6 +118,64 @@ def gyro_level_against_system_level(noise_factor: float = 1.0, seed: int = 34) -
 
 
 @dataclass(frozen=True, kw_only=True)
+class CoilField(Record):
+    """Difference of temperature between the faces of the coil half an hour after the power on, K.
+
+    Attributes
+    ----------
+    alone, in_unit : float
+        In the test of the gyro alone and in the unit.
+    """
+
+    alone: float
+    in_unit: float
+
+
+def field_in_unit() -> CoilField:
+    """Temperature field at the coil with and without neighbours that heat, in a steady chamber, exact.
+
+    "In a system other instruments and circuits heat too, and the field is very different."
+    """
+
+    def difference(network: ThermalNetwork) -> float:
+        temperatures, _ = network.solve(np.array([0.0, 0.5 * HOUR]), soak(20.0))
+        top, bottom = (network.nodes.index(point) for point in ("coil_top", "coil_bottom"))
+        return float(abs(temperatures[-1, top] - temperatures[-1, bottom]))
+
+    return CoilField(alone=difference(experiment.alone()), in_unit=difference(experiment.in_unit()))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SteadyStateDrift(Record):
+    """Drift of a warm unit in a chamber that moves, rad/s.
+
+    Attributes
+    ----------
+    deviation : float
+        Smallest standard deviation of the bias in a run, without noise.
+    noise : float
+        Of one row of the regression.
+    repeatability : float
+        From run to run.
+    """
+
+    deviation: float
+    noise: float
+    repeatability: float
+
+
+def steady_state_drift() -> SteadyStateDrift:
+    """Bias of a warm unit while the ambient temperature moves: "the ambient temperature still disturbs it"."""
+    gyro = experiment.example_gyro()
+    tables = experiment.campaign(experiment.in_unit(), experiment.warm_runs())
+    return SteadyStateDrift(
+        deviation=float(min(table["bias"].std() for table in tables)),
+        noise=float(gyro.angle_random_walk / np.sqrt(experiment.WINDOW)),
+        repeatability=gyro.bias_repeatability,
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
 class Repeatability(Record):
     """What is left after compensation against how well the bias repeats, by level, rad/s.
 
@@ -220,7 +278,7 @@ def _mean_change(gyro: experiment.CoilBias, network: ThermalNetwork, time: NDArr
 
 @dataclass(frozen=True, kw_only=True)
 class StartUpAndSteadyState(Record):
-    """Root mean squares left in new runs, less the mean of each, rad/s: by where the model was fitted and where it is used."""
+    """Root mean squares left in new runs, less the mean of each, rad/s: fitted in one case, used in another."""
 
     start_in_start: float
     start_in_steady: float
@@ -266,7 +324,7 @@ def _left_within(result, tables: list[DataFrame]) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class PointsNeeded(Record):
-    """Drift in runs not used in the fit, rad/s, before and after compensation with one to six points; and the points kept."""
+    """Drift in runs not used in the fit, rad/s, before and after compensation with one to six points; points kept."""
 
     before: float
     one: float
@@ -439,3 +497,66 @@ def start_up_collinearity(point: str = "coil_top", seed: int = 34) -> StartUpCol
         unit_six_starts=condition(tables, point),
         six_starts_with_offsets=condition(tables, point, run_offsets=True),
     )
+
+
+EXACT = 1e-6
+"""Noise of thermometers that is none, K."""
+
+
+def _field_is_another_one() -> bool:
+    field = field_in_unit()
+    return field.in_unit > 10 * field.alone
+
+
+def _gyro_level_does_not_replace() -> bool:
+    levels = gyro_level_against_system_level()
+    return min(levels.ratio, levels.gyro_in_unit / levels.gyro_at_gyro) > 3
+
+
+def _more_so_for_higher_accuracy() -> bool:
+    coarse, fine = (gyro_level_against_system_level(factor).ratio for factor in (1.0, 1 / 3))
+    return fine > 2 * coarse
+
+
+def _what_does_not_repeat_is_left() -> bool:
+    found = repeatability()
+    return bool((np.diff(found.left) > 0).all() and (np.diff(found.removed) < 0).all())
+
+
+def _long_runs_need_a_model() -> bool:
+    gyro, limit = experiment.example_gyro(), short_run_limit()
+    noise = gyro.angle_random_walk / np.sqrt(HOUR)
+    return limit.after_hour > 3 * max(gyro.bias_repeatability, noise)
+
+
+def _ambient_disturbs() -> bool:
+    drift = steady_state_drift()
+    return drift.deviation > 3 * max(drift.noise, drift.repeatability)
+
+
+def _one_law_serves_both() -> bool:
+    left = start_up_against_steady_state(thermometer_noise=EXACT)
+    return left.steady_in_start < 1.5 * left.start_in_start
+
+
+def _one_point_does_not() -> bool:
+    left = start_up_against_steady_state(("coil_top",), thermometer_noise=EXACT)
+    return left.start_in_steady > 2 * left.steady_in_steady
+
+
+def _pruning_finds_the_points() -> bool:
+    return set(points_needed().kept) == set(TRUE_POINTS)
+
+
+STATEMENTS = {
+    "system": _field_is_another_one,
+    "not-replaced": _gyro_level_does_not_replace,
+    "more-so": _more_so_for_higher_accuracy,
+    "repeatable": _what_does_not_repeat_is_left,
+    "long": _long_runs_need_a_model,
+    "steady-ambient": _ambient_disturbs,
+    "steady-similar": _one_law_serves_both,
+    "steady-mechanism": _one_point_does_not,
+    "steady-pruning": _pruning_finds_the_points,
+}
+"""Statements of the slides by the end of their row in the ledger: whether they hold in the simulated networks."""
