@@ -285,8 +285,8 @@ def identify(
     )
     if not agreed:
         warnings.warn(
-            f"fit and weight do not agree after {ITERATIONS} iterations: the record is unlike any mixture of `processes`,"
-            f" chi-square {result.chi_square:.3g} for {result.degrees_of_freedom} degrees of freedom",
+            f"fit and weight do not agree after {ITERATIONS} steps: the record is unlike any mixture of `processes`, "
+            f"chi-square {result.chi_square:.3g} for {result.degrees_of_freedom} degrees of freedom",
             stacklevel=2,
         )
     _warn(result)
