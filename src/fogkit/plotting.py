@@ -197,8 +197,8 @@ def allan(
             if value := getattr(fit.estimate, name):
                 alone = np.sqrt(RandomErrors(**{name: value}).allan_variance(tau)) / DEG_PER_HOUR
                 shown = alone > bottom  # a line that leaves the figure would stretch it
-                ax.plot(tau[shown], alone[shown], color=f"C{4 + i}", lw=1, ls=":", label=name.replace("_", " "))
+                ax.plot(tau[shown], alone[shown], color=f"C{4 + i}", lw=1.5, ls=":", label=name.replace("_", " "))
     ax.set(xscale="log", yscale="log", xlabel="averaging time, s", ylabel="Allan deviation, deg/h")
-    ax.set_ylim(bottom=bottom)
+    ax.set_ylim(bottom, 4 * float(result.deviation.max()) / DEG_PER_HOUR)  # the last bars may be a decade longer
     below(ax)
     return ax

@@ -64,6 +64,14 @@ def test_laws(seed, count, constant, scale):
     assert_array_equal(allan_deviation(rate, 17.0).deviation, plain)  # the sampling time moves the tau axis only
 
 
+def test_a_large_constant_costs_no_digits():
+    # 2**30 times the noise, whose values are multiples of 2**-20: each sum of the two is exact in 53 bits
+    noise = np.rint(np.random.default_rng(8).standard_normal(2**17) * 2**20) / 2**20
+    plain = allan_deviation(noise, 1.0).deviation
+    # what is left is the rounding of the mean, 2**-22, which is a rate and leaves second differences alone
+    assert_allclose(allan_deviation(noise + 2.0**30, 1.0).deviation, plain, rtol=1e-7)
+
+
 def test_ramp_and_sine_in_closed_form():
     ramp = allan_deviation(0.5 * np.arange(4096.0), 2.0)
     assert_allclose(ramp.deviation, 0.25 * ramp.tau / np.sqrt(2), rtol=1e-9)  # slope 0.25 per second

@@ -15,6 +15,7 @@ from fogkit.noise import (
     allan_deviation,
     identify,
     predict,
+    quantize,
     simulate,
 )
 from fogkit.units import ARCSEC, DEG_PER_HOUR, DEG_PER_HOUR_PER_SQRT_HOUR, DEG_PER_SQRT_HOUR
@@ -250,6 +251,15 @@ def test_nothing_in_common_with_the_record_is_refused():
     peak = AllanDeviation(**{**vars(curve), "deviation": np.where(curve.factors == 2, 1.0, 1e-3)})
     with pytest.raises(ValueError, match="`processes` must hold one that the record shows"):
         identify(peak, processes=["rate_random_walk"])
+
+
+def test_a_record_unlike_the_model_is_fitted_with_a_warning():
+    # the error of a quantiser under a constant rate is a periodic pattern
+    rate = 1.0 + 0.02 * np.random.default_rng(11).standard_normal(2**15)
+    pattern = quantize(rate, 0.376, 1.0)
+    with pytest.warns(UserWarning, match="unlike any mixture of `processes`, chi-square"):
+        found = identify(pattern, 0.376, processes=["angle_random_walk", "quantization"])
+    assert found.p_value < 1e-6 and (found.coefficients >= 0).all()
 
 
 # ---- text, tables, input

@@ -41,7 +41,7 @@ LONGEST = 8
 """Averaging times of the fit reach the record over this. Longer ones have a few degrees of freedom: they add little to
 the estimates, and their skewness would make the residual chi-square exceed its 1 % limit in 3 % of records."""
 
-ITERATIONS = 200
+ITERATIONS = 100
 TOLERANCE = 1e-6
 """Change of an estimate, in its standard deviations, at which the repetition of fit and weight ends."""
 
@@ -243,7 +243,8 @@ def identify(
     -----
     UserWarning
         If processes are hardly told apart, with the condition number; if the record is too short to determine one of
-        them, with the upper limit.
+        them, with the upper limit; if the record is so unlike any mixture of the processes that fit and weight do not
+        come to agree, with chi-square.
 
     Examples
     --------
@@ -267,7 +268,7 @@ def identify(
         covariance = _covariance(allan, _all(squares, places))
         return estimation.linear(design[:, free], observed, covariance=covariance, names=np.array(names)[free].tolist())
 
-    squares = _iterated(fit, _start(design, observed, allan))
+    squares, agreed = _iterated(fit, _start(design, observed, allan))
     free, kept = np.ones(len(names), dtype=bool), squares > 0
     full, chosen = fit(squares, free), fit(squares, kept)
     inverse = np.linalg.solve(_covariance(allan, _all(squares, places)), design)
@@ -282,6 +283,12 @@ def identify(
         degrees_of_freedom=chosen.degrees_of_freedom,
         condition=full.condition,
     )
+    if not agreed:
+        warnings.warn(
+            f"fit and weight do not agree after {ITERATIONS} steps: the record is unlike any mixture of `processes`, "
+            f"chi-square {result.chi_square:.3g} for {result.degrees_of_freedom} degrees of freedom",
+            stacklevel=2,
+        )
     _warn(result)
     return result
 
@@ -399,8 +406,8 @@ def _start(design: Array, observed: Array, allan: AllanDeviation) -> Array:
     return nnls(design * weight[:, None] / scale, observed * weight)[0] / scale
 
 
-def _iterated(fit: Callable[[Array, NDArray[np.bool_]], estimation.Solution], squares: Array) -> Array:
-    """Squares at which weight and fit agree, none below zero."""
+def _iterated(fit: Callable[[Array, NDArray[np.bool_]], estimation.Solution], squares: Array) -> tuple[Array, bool]:
+    """Squares at which weight and fit agree, none below zero, and whether they do."""
     for iteration in range(ITERATIONS):
         proposed, deviation = _non_negative(lambda free, at=squares: fit(at, free), squares.size)
         if not proposed.any():
@@ -408,11 +415,11 @@ def _iterated(fit: Callable[[Array, NDArray[np.bool_]], estimation.Solution], sq
                 "`processes` must hold one that the record shows, got only such as would have negative squares"
             )
         change = proposed - squares
-        # a process at the edge of zero can make the two go round in a circle, which smaller steps end
-        squares = squares + change if iteration < 20 else squares + 0.5 * change
         if np.all(np.abs(change) <= TOLERANCE * deviation):
-            return proposed
-    raise RuntimeError(f"no convergence of fit and weight in {ITERATIONS} iterations")  # pragma: no cover
+            return proposed, True
+        # a record that is unlike the model can make the two go round in a circle, which smaller steps may end
+        squares = squares + 0.5 ** (iteration // 15) * change
+    return squares, False
 
 
 def _non_negative(fit: Callable[[NDArray[np.bool_]], estimation.Solution], count: int) -> tuple[Array, Array]:
