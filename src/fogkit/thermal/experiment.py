@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,6 +35,7 @@ POINTS = ("source", "coil_top", "coil_bottom", "electronics", "accelerometer", "
 """Measuring points in the unit of `in_unit`; core of the coil, air and base have none."""
 
 
+@cache
 def alone() -> ThermalNetwork:
     """Network of a gyro tested alone: both faces of the coil feel the chamber alike, the electronics stand apart."""
     return ThermalNetwork(
@@ -46,6 +47,7 @@ def alone() -> ThermalNetwork:
     )
 
 
+@cache
 def in_unit() -> ThermalNetwork:
     """Network of the same gyro in a unit: coil between housing and a heavy base, electronics beside its lower face."""
     return ThermalNetwork(

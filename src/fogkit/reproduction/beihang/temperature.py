@@ -220,7 +220,7 @@ def _mean_change(gyro: experiment.CoilBias, network: ThermalNetwork, time: NDArr
 
 @dataclass(frozen=True, kw_only=True)
 class StartUpAndSteadyState(Record):
-    """Root mean squares left in new runs, less the mean of each, rad/s: by where the model was fitted and where it is used."""
+    """Root mean squares left in new runs, less the mean of each, rad/s, by where a model was fitted and is used."""
 
     start_in_start: float
     start_in_steady: float
@@ -266,7 +266,7 @@ def _left_within(result, tables: list[DataFrame]) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class PointsNeeded(Record):
-    """Drift in runs not used in the fit, rad/s, before and after compensation with one to six points; and the points kept."""
+    """Drift in runs not used in the fit, rad/s, before and after compensation with some points; and the points kept."""
 
     before: float
     one: float
