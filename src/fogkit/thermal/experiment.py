@@ -382,7 +382,7 @@ def schedule_table(runs: Iterable[Run]) -> DataFrame:
             "power": "on before" if run.powered else "on at the start",
             "duration, h": run.duration / HOUR,
         }
-    return pd.DataFrame(rows).T.rename_axis("run")
+    return pd.DataFrame(rows).T.infer_objects().rename_axis("run")
 
 
 def campaign(
