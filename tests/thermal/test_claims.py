@@ -20,10 +20,11 @@ def test_a_gyro_level_test_does_not_replace_a_system_level_one_the_more_so_the_b
 
 def test_what_does_not_repeat_remains():
     result = temperature.repeatability((0.0, 0.1, 0.3))
-    # each run adds its offset, and a tenth in variance by the fit; 3 sigma of a deviation from ten numbers
+    # each run adds its offset, and a tenth in variance by the fit; 3 sigma of a deviation from 40 numbers, of which the
+    # long runs, with most of the rows, are 16
     expected = np.hypot(result.left[0], np.array(result.deviation[1:]) * np.sqrt(1.1))
-    assert_allclose(result.left[1:], expected, rtol=3 / np.sqrt(18))
-    assert result.removed[0] > 0.95 > 0.7 > result.removed[2]
+    assert_allclose(result.left[1:], expected, rtol=3 / np.sqrt(32))
+    assert result.removed[0] > 0.95 > 0.5 > result.removed[2]
     with pytest.raises(ValueError, match="`levels`"):
         temperature.repeatability((-0.1,))
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -35,6 +35,7 @@ POINTS = ("source", "coil_top", "coil_bottom", "electronics", "accelerometer", "
 """Measuring points in the unit of `in_unit`; core of the coil, air and base have none."""
 
 
+@cache
 def alone() -> ThermalNetwork:
     """Network of a gyro tested alone: both faces of the coil feel the chamber alike, the electronics stand apart."""
     return ThermalNetwork(
@@ -46,6 +47,7 @@ def alone() -> ThermalNetwork:
     )
 
 
+@cache
 def in_unit() -> ThermalNetwork:
     """Network of the same gyro in a unit: coil between housing and a heavy base, electronics beside its lower face."""
     return ThermalNetwork(
@@ -380,7 +382,7 @@ def schedule_table(runs: Iterable[Run]) -> DataFrame:
             "power": "on before" if run.powered else "on at the start",
             "duration, h": run.duration / HOUR,
         }
-    return pd.DataFrame(rows).T.rename_axis("run")
+    return pd.DataFrame(rows).T.infer_objects().rename_axis("run")
 
 
 def campaign(

@@ -194,21 +194,33 @@ class Repeatability(Record):
     removed: tuple[float, ...]
 
 
-def repeatability(levels: Iterable[float] = (0, 0.01, 0.03, 0.1, 0.3), seed: int = 34) -> Repeatability:
+def repeatability(
+    levels: Iterable[float] = (0, 0.01, 0.03, 0.1, 0.3), seeds: Iterable[int] = range(4)
+) -> Repeatability:
     """Compensation of a gyro whose bias repeats less and less well from run to run; levels in deg/h.
 
     "Temperature error can be compensated only if drift is a definite function of temperature, with good repeatability."
+    One campaign for each seed; a level scales the same offsets of its runs. What is left is linear in them, so its mean
+    square is a parabola of the level, and three levels determine it.
     """
     levels = checks.array_in_closed_interval("levels", list(levels), 0, np.inf, "deg/h") * DEG_PER_HOUR
-    left, removed = [], []
-    for level in levels:
-        gyro = experiment.example_gyro(bias_repeatability=float(level))
-        rng = np.random.default_rng(seed)  # the same draws for all levels
+    gyro, rows = experiment.example_gyro(bias_repeatability=0.0), []
+    probe = 0.1 * DEG_PER_HOUR
+    for seed in seeds:
+        rng = np.random.default_rng(seed)
         tables = experiment.campaign(experiment.in_unit(), _plan(), effects={"bias": gyro}, rng=rng)
-        row = selection.cross_validate([models.steady_state()], tables).iloc[0]
-        left.append(float(row["after"]))
-        removed.append(float(row["removed"]))
-    return Repeatability(deviation=tuple(levels.tolist()), left=tuple(left), removed=tuple(removed))
+        offsets = rng.standard_normal(len(tables))
+        for level in (0.0, probe, -probe):
+            bias = [table["bias"] + level * offset for table, offset in zip(tables, offsets, strict=True)]
+            row = selection.cross_validate([models.steady_state()], tables, bias).iloc[0]
+            rows.append((row["before"], row["after"]))
+    none, plus, minus = np.mean(np.reshape(rows, (-1, 3, 2)) ** 2, axis=0)
+    share = levels[:, None] / probe
+    squares = none + 0.5 * (plus - minus) * share + (0.5 * (plus + minus) - none) * share**2
+    before, left = np.sqrt(squares).T
+    return Repeatability(
+        deviation=tuple(levels.tolist()), left=tuple(left.tolist()), removed=tuple((1 - left / before).tolist())
+    )
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -278,7 +290,7 @@ def _mean_change(gyro: experiment.CoilBias, network: ThermalNetwork, time: NDArr
 
 @dataclass(frozen=True, kw_only=True)
 class StartUpAndSteadyState(Record):
-    """Root mean squares left in new runs, less the mean of each, rad/s: fitted in one case, used in another."""
+    """Root mean squares left in new runs, less the mean of each, rad/s, by where a model was fitted and is used."""
 
     start_in_start: float
     start_in_steady: float
@@ -324,7 +336,7 @@ def _left_within(result, tables: list[DataFrame]) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class PointsNeeded(Record):
-    """Drift in runs not used in the fit, rad/s, before and after compensation with one to six points; points kept."""
+    """Drift in runs not used in the fit, rad/s, before and after compensation with some points; and the points kept."""
 
     before: float
     one: float
