@@ -21,13 +21,12 @@ from fogkit.constants import (
 
 NONE, PREVIOUS, CENTRAL = 0, 1, 2
 # Reciprocals: without fastmath a division stays a division, five times as slow as the product.
-R6, R12, R24, R48 = 1.0 / 6, 1.0 / 12, 1.0 / 24, 1.0 / 48
+R3, R6, R12, R24, R48 = 1.0 / 3, 1.0 / 6, 1.0 / 12, 1.0 / 24, 1.0 / 48
 COSINE = (1.0, -1.0 / 8, 1.0 / 384, -1.0 / 46080, 1.0 / 10321920, -1.0 / 3715891200)  # of half the angle
 SINE = (1.0 / 2, -1.0 / 48, 1.0 / 3840, -1.0 / 645120, 1.0 / 185794560)  # of half the angle, by the angle
 THIRD = (1.0 / 6, -1.0 / 120, 1.0 / 5040, -1.0 / 362880, 1.0 / 39916800, -1.0 / 6227020800)
-ANCHOR_LIMIT = (
-    1e-3  # change of latitude, rad, up to which sine and cosine follow from those of an anchor: 1e-17 left out
-)
+# Change of latitude, rad, up to which sine and cosine follow from those of an anchor; 1e-17 is left out.
+ANCHOR_LIMIT = 1e-3
 SERIES_LIMIT = 1.0 / 16.0  # square of the angle below which the series are used, rad^2
 
 
@@ -125,12 +124,13 @@ def navigate(
     steps = dtheta.shape[0]
     qx, qy, qz, qw = attitude
     ve, vn, vu = velocity
-    lat, lon, alt = position
+    lat_0, lon_0, alt_0 = position
+    lat, lon, alt = 0.0, 0.0, 0.0  # moved so far: what slow motion adds in a step is lost in the rounding of the whole
     with_attitude, with_position = out_attitude.shape[0] > 0, out_position.shape[0] > 0
     next_reset = 0
-    anchor, anchor_sine, anchor_cosine = lat, math.sin(lat), math.cos(lat)
+    anchor, anchor_sine, anchor_cosine = 0.0, math.sin(lat_0), math.cos(lat_0)
     sine, cosine = anchor_sine, anchor_cosine
-    inv_along, inv_across, secant, normal_gravity = _earth(sine, cosine, alt, normal)
+    inv_along, inv_across, secant, normal_gravity = _earth(sine, cosine, alt_0, normal)
     ge, gn, gu = gravity[0, 0], gravity[0, 1], gravity[0, 2]
     # acceleration by gravity and Coriolis in the previous step; only the mean position of the step is predicted by it
     he, hn, hu = ge, gn, gu - normal_gravity
@@ -145,7 +145,7 @@ def navigate(
                 out_attitude[row, 0], out_attitude[row, 1], out_attitude[row, 2], out_attitude[row, 3] = qx, qy, qz, qw
             out_velocity[row, 0], out_velocity[row, 1], out_velocity[row, 2] = ve, vn, vu
             if with_position:
-                out_position[row, 0], out_position[row, 1], out_position[row, 2] = lat, lon, alt
+                out_position[row, 0], out_position[row, 1], out_position[row, 2] = lat_0 + lat, lon_0 + lon, alt_0 + alt
             row += 1
             due += every
         if k == steps:
@@ -197,10 +197,11 @@ def navigate(
         # [5]: mean position, and what depends on it
         if not fixed:
             mean_lat = lat + dt * inv_along * (0.5 * (vn + mn + 0.5 * dt * hn) - (wn + dt * hn) * R12)
-            mean_alt = alt + dt * (0.5 * (vu + mu + 0.5 * dt * hu) - (wu + dt * hu) * R12)
+            mean_alt = alt_0 + alt + dt * (0.5 * (vu + mu + 0.5 * dt * hu) - (wu + dt * hu) * R12)
             change = mean_lat - anchor
             if not abs(change) < ANCHOR_LIMIT:
-                anchor, anchor_sine, anchor_cosine, change = mean_lat, math.sin(mean_lat), math.cos(mean_lat), 0.0
+                anchor, change = mean_lat, 0.0
+                anchor_sine, anchor_cosine = math.sin(lat_0 + mean_lat), math.cos(lat_0 + mean_lat)
             x = change * change
             sine_change, cosine_change = change * (1.0 - R6 * x), 1.0 - x * (0.5 - R24 * x)
             sine = anchor_sine * cosine_change + anchor_cosine * sine_change
@@ -214,23 +215,27 @@ def navigate(
         tangent = sine * secant
         on, ou = EARTH_RATE * cosine, EARTH_RATE * sine
 
-        # [6]: gravity and Coriolis at the start of the step, then with the mean velocity that follows
+        # [6]: turn of the navigation frame, and gravity and Coriolis, with the velocity at the start of the step
         re, rn = -vn * inv_along, ve * inv_across
-        ce, cn, cu = _cross(re, rn + 2.0 * on, rn * tangent + 2.0 * ou, ve, vn, vu)
+        ru = rn * tangent
+        te, tn, tu = _cross(dt * re, dt * (rn + on), dt * (ru + ou), we, wn, wu)
+        ce, cn, cu = _cross(re, rn + 2.0 * on, ru + 2.0 * ou, ve, vn, vu)
         h0e, h0n, h0u = ge - ce, gn - cn, down - cu
+
+        # [7]: the same with the mean velocity that follows
+        me, mn, mu = me - te * R6, mn - tn * R6, mu - tu * R6
         be, bn, bu = ve + me + 0.5 * dt * h0e, vn + mn + 0.5 * dt * h0n, vu + mu + 0.5 * dt * h0u
         re, rn = -bn * inv_along, be * inv_across
         ru = rn * tangent
+        ze, zn, zu = dt * re, dt * (rn + on), dt * (ru + ou)
         ce, cn, cu = _cross(re, rn + 2.0 * on, ru + 2.0 * ou, be, bn, bu)
         he, hn, hu = ge - ce, gn - cn, down - cu
 
-        # [7]: turn of the navigation frame during the step, and its effect on the velocity gained and on its mean
-        ze, zn, zu = dt * re, dt * (rn + on), dt * (ru + ou)
-        ce, cn, cu = _cross(ze, zn, zu, we, wn, wu)
-        be = ve + me - ce * R6 + dt * R6 * (h0e + 2.0 * he)
-        bn = vn + mn - cn * R6 + dt * R6 * (h0n + 2.0 * hn)
-        bu = vu + mu - cu * R6 + dt * R6 * (h0u + 2.0 * hu)
-        ce, cn, cu = _cross(ze, zn, zu, we - me - ce * R6, wn - mn - cn * R6, wu - mu - cu * R6)
+        # [8]: the mean velocity anew, and the velocity
+        be = ve + me + dt * R6 * (h0e + 2.0 * he)
+        bn = vn + mn + dt * R6 * (h0n + 2.0 * hn)
+        bu = vu + mu + dt * R6 * (h0u + 2.0 * hu)
+        ce, cn, cu = _cross(ze, zn, zu, we - me - te * R3, wn - mn - tn * R3, wu - mu - tu * R3)
         ve += we - ce + dt * he
         vn += wn - cn + dt * hn
         vu += wu - cu + dt * hu
@@ -239,7 +244,7 @@ def navigate(
             lon += dt * be * inv_across * secant
             alt += dt * bu
 
-        # [8]: attitude; the first term left out of the half-angle series of the navigation frame is its angle^4 / 384
+        # [9]: attitude; the first term left out of the half-angle series of the navigation frame is its angle^4 / 384
         qx, qy, qz, qw = _product(qx, qy, qz, qw, half_sine * px, half_sine * py, half_sine * pz, half_cosine)
         z2 = ze * ze + zn * zn + zu * zu
         half_sine = z2 * R48 - 0.5

@@ -146,7 +146,7 @@ def increments_from_motion(
         Sampling step, s.
     nodes : int, optional
         Nodes of the Gauss-Legendre quadrature over each step, which integrates polynomials of degree ``2 * nodes - 1``
-        exactly. Eight integrate a sinusoid with one period per step to 2e-13 of its amplitude times the step.
+        exactly. Eight integrate a sinusoid with one period per step to 1e-10 of its amplitude times the step.
 
     Returns
     -------

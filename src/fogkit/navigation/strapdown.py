@@ -25,18 +25,19 @@ of the step before alone. Looking to both sides costs nothing in a recording and
 [4] is the Euler-Maclaurin formula. Then, with capitals for w and m in axes of n and z the turn of n during the step::
 
     mean height = h + T v_mean / 2 - T dv / 12, latitude likewise   [5]  where gravity and all rates are evaluated
-    c = g_b_n - (2 omega_ie_n + omega_en_n) x v                     [6]  at v (c_start), then at the mean velocity
-    z = T omega_in_n
-    v_mean = v + M - z x W / 6 + T (c_start + 2 c) / 6
-    dv = W - z x (W - M - z x W / 6) + T c                          [7]  the first part is felt, the second follows
-    C_b_n = exp(-skew(z)) C_b_n exp(skew(p))                        [8]  by quaternions
+    z = T omega_in_n,   c = g_b_n - (2 omega_ie_n + omega_en_n) x v [6]  with the velocity v at the start: z_0, c_0
+    M' = M - z_0 x W / 6                                                 the frame turns while W is gained
+    z, c                                                            [7]  with the velocity v + M' + T c_0 / 2
+    v_mean = v + M' + T (c_0 + 2 c) / 6
+    dv = W - z x (W - M' - z_0 x W / 3) + T c                       [8]
+    C_b_n = exp(-skew(z)) C_b_n exp(skew(p))                        [9]  by quaternions
 
 and the position moves with ``v_mean``.
 
 **Order.** The error of attitude, velocity and position at a given time is of fourth order in T with
-``corrections="central"``, third with ``"previous"``, second with ``"none"``. Left out are terms of second order in what
-is small in navigation anyway: in velocity ``T^2 |g| |v - v_start| / (12 R)``, 1.3e-9 m/s at 100 Hz after a change by
-100 m/s; in position ``T^2 |a| |v| / (12 R)`` per second, at most; both vanish at rest.
+``corrections="central"``, third with ``"previous"``, second with ``"none"``. Left out, of second order: in velocity
+``T^2 |g| |v - v_start| / (12 R)``, 1.3e-9 m/s at 100 Hz after a change by 100 m/s; in position ``T^2 |a| |v| / (12 R)``
+per second. At rest there is nothing of second order, and 2e-13 m/s^2 at a step of 1 s.
 
 References
 ----------
@@ -327,8 +328,8 @@ def integrate_arrays(
     flat = (dtheta.reshape(count, steps, 3), dv.reshape(count, steps, 3))
     initial = (
         Rotation.from_matrix(start.C_b_n.reshape(count, 3, 3)).as_quat(),
-        np.array(start.v_eb_n.reshape(count, 3)),
-        np.stack([start.lat, start.lon, start.alt], axis=-1).reshape(count, 3),
+        _own(start.v_eb_n, count, 3),
+        _own(np.stack([start.lat, start.lon, start.alt], axis=-1), count, 3),
     )
 
     def run(model: "_GravityModel", every: int, keep_attitude: bool) -> tuple[Array, Array, Array]:
@@ -397,6 +398,11 @@ def _pair(dtheta_ib_b: ArrayLike, dv_ib_b: ArrayLike) -> tuple[Array, Array]:
     return np.require(dtheta, requirements=["C", "W"]), np.require(dv, requirements=["C", "W"])
 
 
+def _own(values: Array, *shape: int) -> Array:
+    """Contiguous copy, reshaped: for any other layout the kernel would be compiled anew."""
+    return np.array(values, order="C").reshape(shape)
+
+
 def _broadcast(start: State, runs: tuple[int, ...]) -> State:
     """State with the leading axes of the increments."""
     try:
@@ -423,7 +429,7 @@ def _reset_steps(times: ArrayLike | None, dt: float, steps: int, runs: tuple[int
             nearest = np.broadcast_to(nearest, (*runs, times.shape[-1]))
         except ValueError:
             raise ValueError(f"`velocity_reset` must have the leading axes {runs} of runs, got {times.shape}") from None
-    return np.sort(nearest.reshape(-1, times.shape[-1]), axis=-1)
+    return np.sort(_own(nearest, -1, times.shape[-1]), axis=-1)
 
 
 def _gravity_model(gravity: Gravity, start: State, runs: tuple[int, ...], steps: int) -> _GravityModel:
@@ -431,18 +437,18 @@ def _gravity_model(gravity: Gravity, start: State, runs: tuple[int, ...], steps:
     if gravity is None:
         return _GravityModel(np.zeros((1, 1, 3)), True)
     if callable(gravity):
-        return _GravityModel(_evaluated(gravity, start.lat, start.lon, start.alt).reshape(-1, 1, 3), False)
+        return _GravityModel(_own(_evaluated(gravity, start.lat, start.lon, start.alt), -1, 1, 3), False)
     vectors = checks.finite_array("gravity", gravity)
     if vectors.ndim == 0:
         return _GravityModel(np.array([[[0.0, 0.0, -float(vectors)]]]), False)
     if vectors.shape == (3,):
-        return _GravityModel(np.array(vectors).reshape(1, 1, 3), False)
+        return _GravityModel(_own(vectors, 1, 1, 3), False)
     try:
         vectors = np.broadcast_to(vectors, (*(runs if vectors.ndim > 2 else ()), steps, 3))
     except ValueError:
         needed = f"None, a number, a vector of shape (3,) or vectors of shape (..., {steps}, 3), one for each step"
         raise ValueError(f"`gravity` must be {needed}, got shape {vectors.shape}") from None
-    return _GravityModel(np.array(vectors.reshape(-1, steps, 3)), False)
+    return _GravityModel(_own(vectors, -1, steps, 3), False)
 
 
 def _evaluated(gravity: Callable, lat: Array, lon: Array, alt: Array) -> Array:
@@ -456,7 +462,7 @@ def _followed(gravity: Callable, run: Callable, origin: Array, steps: int, posit
     What is iterated is the small difference to normal gravity: the first pass has it right almost everywhere.
     """
     if position_fixed:
-        return _GravityModel(_evaluated(gravity, *origin.T)[:, None, :], False)
+        return _GravityModel(_own(_evaluated(gravity, *origin.T), -1, 1, 3), False)
     excess = np.zeros((1, 1, 3))
     for _ in range(_MAX_PASSES):
         _, _, position = run(_GravityModel(excess, True), 1, False)
