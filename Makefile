@@ -13,6 +13,10 @@ PYTHON ?= python3
 UV_VERSION := 0.13.9
 UPGRADE ?=
 
+# The matrices are small: threads inside one product only get in each other's way.
+export OMP_NUM_THREADS ?= 1
+export OPENBLAS_NUM_THREADS ?= 1
+
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 ENVIRONMENT := .venv/installed
