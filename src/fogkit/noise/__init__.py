@@ -7,13 +7,13 @@ module              answers
 `increments`        how are second differences of the angle correlated, in closed form?
 `covariance`        how far off is an Allan variance by chance, and together with which others?
 `allan`             what is the Allan deviation of a record, with its error bars?
-`identify`          which random errors does a record show, how large, and how sure is that?
+`identification`    which random errors does a record show, how large, and how sure is that?
 ==================  =====================================================================================
 """
 
 from fogkit.noise.allan import AllanDeviation, allan_deviation
 from fogkit.noise.covariance import allan_covariance, equivalent_degrees_of_freedom, mean_covariance
-from fogkit.noise.identify import Identification, identify, predict
+from fogkit.noise.identification import Identification, identify, predict
 from fogkit.noise.processes import PROCESSES, RandomErrors, quantize, simulate
 
 __all__ = [
