@@ -253,8 +253,8 @@ def navigation() -> None:
     for name, (error, other), unit in (("attitude", attitude_errors, "arcsec"), ("velocity", velocity_errors, "m/s")):
         show(
             f"error of {name} after {steps * dt:g} s of coning and sculling",
-            f"{error:.1e} {unit}",
-            f"pyins {other:.1e}",
+            f"{error:.4g} {unit}",
+            f"pyins {other:.4g}",
         )
 
     runs = np.broadcast_to(dtheta_ib_b[:3500], (90, 3500, 3)), np.broadcast_to(dv_ib_b[:3500], (90, 3500, 3))

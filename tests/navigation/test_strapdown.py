@@ -121,6 +121,28 @@ def test_accuracy_of_a_manoeuvre():
     assert position < 5e-9
 
 
+def test_a_climb_in_the_plane_of_the_equator():
+    # A thrust that stands still in space, from rest, for 100 s: an orbit in inertial coordinates. Its increments are
+    # constant, so at steps of 1 s gravity at the right mean height shows: 6e-5 m/s of velocity depend on it.
+    thrust, time = 12.0, 100.0
+
+    def derivative(t, y):
+        r = np.hypot(SEMI_MAJOR_AXIS + y[0], y[1])
+        pull = earth.normal_gravity(0.0, r - SEMI_MAJOR_AXIS) + EARTH_RATE**2 * r  # gravitation alone
+        return [y[2], y[3], thrust - pull * (SEMI_MAJOR_AXIS + y[0]) / r, -pull * y[1] / r]
+
+    y = solve_ivp(derivative, (0, time), [0, 0, 0, EARTH_RATE * SEMI_MAJOR_AXIS], rtol=1e-12, atol=1e-9).y[:, -1]
+    along = np.array([SEMI_MAJOR_AXIS + y[0], y[1]])
+    r = np.hypot(*along)
+    up, east = along @ y[2:] / r, (along[0] * y[3] - along[1] * y[2]) / r - EARTH_RATE * r
+
+    dtheta, dv = np.zeros((100, 3)), np.tile([0.0, 0.0, thrust], (100, 1))
+    end = integrate_arrays(dtheta, dv, 1.0, State(lat=0.0, C_b_n=np.eye(3)), every=100).state()
+    # left out, with the step T: T^2 |g| / (12 R) of the change across, 12 m/s; T^2 |g| / (6 R) of the climb, 11 km
+    assert_allclose(end.v_eb_n, [east, 0.0, up], atol=2e-6)
+    assert_allclose(end.alt, r - SEMI_MAJOR_AXIS, atol=3e-3)
+
+
 # ---- closed forms
 
 

@@ -36,8 +36,9 @@ and the position moves with ``v_mean``.
 
 **Order.** The error of attitude, velocity and position at a given time is of fourth order in T with
 ``corrections="central"``, third with ``"previous"``, second with ``"none"``. Left out, of second order: in velocity
-``T^2 |g| |v - v_start| / (12 R)``, 1.3e-9 m/s at 100 Hz after a change by 100 m/s; in position ``T^2 |a| |v| / (12 R)``
-per second. At rest there is nothing of second order, and 2e-13 m/s^2 at a step of 1 s.
+``T^2 |g| |v - v_start| / (12 R)``, 1.3e-9 m/s at 100 Hz after a change by 100 m/s; in position, per second,
+``T^2 (|a| / 12 + |g| / 6) |v| / R``, 4e-9 m/s at 100 m/s. At rest there is nothing of second order, and 2e-13 m/s^2 at
+a step of 1 s.
 
 References
 ----------
