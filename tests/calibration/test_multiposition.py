@@ -37,9 +37,10 @@ from fogkit.calibration.multiposition import (
 from fogkit.calibration.rate_sequence import without_earth
 from fogkit.constants import EARTH_RATE
 from fogkit.estimation.consistency import chi_square_interval, nees, ratio_interval
+from fogkit.imu.tables import ACCEL_COLUMNS, GYRO_COLUMNS
 from fogkit.imu.triads import LinearTriad
 from fogkit.imu.unit import MeasurementUnit, Sensors
-from fogkit.stand.laboratory import ACCEL_COLUMNS, GYRO_COLUMNS, Laboratory
+from fogkit.stand.laboratory import Laboratory
 from fogkit.stand.placements import Placement, Schedule, full_turns, six_positions, twenty_four_points
 from fogkit.units import DEG
 

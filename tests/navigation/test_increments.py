@@ -5,8 +5,9 @@ import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
 
+from fogkit.imu.tables import IMU_COLUMNS
 from fogkit.navigation import increments_from_motion, increments_from_rates
-from fogkit.navigation.increments import IMU_COLUMNS, time_step
+from fogkit.navigation.increments import time_step
 
 EPS = np.finfo(float).eps
 # amplitude and angular frequency, rad/s, of a sinusoid in each column

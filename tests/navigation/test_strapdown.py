@@ -15,8 +15,8 @@ from scipy.spatial.transform import Rotation
 
 from fogkit import earth
 from fogkit.constants import EARTH_RATE, SEMI_MAJOR_AXIS
+from fogkit.imu.tables import IMU_COLUMNS
 from fogkit.navigation import State, increments_from_motion, integrate, integrate_arrays
-from fogkit.navigation.increments import IMU_COLUMNS
 from fogkit.rotation import dcm_from_heading_pitch_roll, heading_pitch_roll_from_dcm, small_angle_between
 from fogkit.units import ARCSEC, DEG, HOUR
 

@@ -9,10 +9,11 @@ from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial.transform import Rotation
 
 from fogkit.constants import EARTH_RATE
+from fogkit.imu.tables import IMU_COLUMNS
 from fogkit.imu.triads import LinearTriad
 from fogkit.imu.unit import MeasurementUnit, Sensors
 from fogkit.noise.processes import RandomErrors
-from fogkit.stand.laboratory import IMU_COLUMNS, Laboratory
+from fogkit.stand.laboratory import Laboratory
 from fogkit.stand.placements import Placement, Schedule, full_turns, six_positions, twenty_four_points
 from fogkit.units import DEG
 

@@ -12,10 +12,11 @@ from laboratories import ACCELEROMETERS, CROOKED, EQUIVALENTS, EXACT, GYROS, LAB
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fogkit.estimation.consistency import chi_square_interval
+from fogkit.imu.tables import IMU_COLUMNS
 from fogkit.imu.triads import LinearTriad
 from fogkit.imu.unit import MeasurementUnit, Sensors
 from fogkit.noise.processes import RandomErrors
-from fogkit.stand.laboratory import IMU_COLUMNS, Laboratory
+from fogkit.stand.laboratory import Laboratory
 from fogkit.stand.means import expected_inputs, observations
 from fogkit.stand.placements import (
     Placement,

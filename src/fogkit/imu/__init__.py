@@ -7,6 +7,7 @@ module              answers
 `triads`            the linear model of gyros or accelerometers: how do its three forms go into one another?
 `unit`              what do three gyros and three accelerometers read, with noise, steps, range and nonlinearity?
 `constructions`     how do they stand in the case?
+`tables`            which columns do tables of readings have?
 `readings`          what do they read on average while the case turns steadily?
 ==================  =====================================================================================
 """

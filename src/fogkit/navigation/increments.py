@@ -13,14 +13,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fogkit import checks
+from fogkit.imu.tables import IMU_COLUMNS
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
 Array = NDArray[np.float64]
 
-#: Columns of a table of readings or increments.
-IMU_COLUMNS = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
 #: Departure of one time step from their mean, relative to it, that still counts as jitter of the stamps.
 JITTER = 0.01
 

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fogkit import checks
 from fogkit.earth import earth_rate_n, normal_gravity
+from fogkit.imu.tables import IMU_COLUMNS
 from fogkit.imu.unit import MeasurementUnit
 from fogkit.rotation import dcm_from_rotvec
 from fogkit.stand.placements import Placement, Schedule
@@ -21,9 +22,6 @@ from fogkit.stand.placements import Placement, Schedule
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-GYRO_COLUMNS = ("gyro_x", "gyro_y", "gyro_z")
-ACCEL_COLUMNS = ("accel_x", "accel_y", "accel_z")
-IMU_COLUMNS = GYRO_COLUMNS + ACCEL_COLUMNS
 FACES = ("+x", "-x", "+y", "-y", "+z", "-z")
 """Faces of the cube by the axis that points up on them."""
 

@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fogkit import checks
+from fogkit.imu.tables import IMU_COLUMNS
 from fogkit.noise import RandomErrors, mean_covariance
-from fogkit.stand.laboratory import IMU_COLUMNS, Laboratory
+from fogkit.stand.laboratory import Laboratory
 from fogkit.stand.placements import Placement, Schedule
 
 if TYPE_CHECKING:
