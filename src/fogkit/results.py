@@ -1,8 +1,10 @@
-"""What every result that is a record of numbers can do: become a table, and go to text and back."""
+"""What results can do: records of numbers become a table, and go to text and back; those of arrays cannot be edited."""
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from typing import TYPE_CHECKING, Self
+
+import numpy as np
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -28,3 +30,18 @@ class Record:
         if data.pop("kind", None) != cls.__name__:
             raise ValueError(f"`text` must be that of a {cls.__name__}, got {text[:60]!r}")
         return cls(**data)
+
+
+class FrozenArrays:
+    """Mixin of frozen dataclasses: arrays are kept as copies that cannot be written to.
+
+    A covariance that is edited would no longer belong to its estimate.
+    """
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, np.ndarray):
+                kept = value.copy()
+                kept.setflags(write=False)
+                object.__setattr__(self, field.name, kept)

@@ -9,15 +9,22 @@ from numpy.testing import assert_allclose
 from scipy.spatial.transform import Rotation
 
 from fogkit import claims
+from fogkit.calibration.rate_sequence import installation_accuracy
 from fogkit.constants import EARTH_RATE, STANDARD_GRAVITY
 from fogkit.earth import earth_rate_n
+from fogkit.noise import RandomErrors
 from fogkit.reproduction.beihang import derivation, effects, formulas, points, rates, redundancy, slides
+from fogkit.stand.laboratory import Laboratory
 from fogkit.units import ARCMIN, ARCSEC, DEG, DEG_PER_HOUR, DEG_PER_SECOND, HOUR, MINUTE
 
 LAT = slides.ASSUMED_LATITUDE
 LEVEL_RATE, UP_RATE = EARTH_RATE * np.cos(LAT), EARTH_RATE * np.sin(LAT)
 UP = {"U": 1, "D": -1}
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(60)
+
+
+def earth_in_installation(rate):
+    return installation_accuracy(rate, slides.RATE_DURATION, RandomErrors(), Laboratory(latitude=LAT)).earth
 
 
 @pytest.fixture(scope="module")
@@ -164,7 +171,7 @@ def test_mean_over_the_arc(rate):
     assert_allclose(np.max(np.abs(means)), rates.horizontal_left(rate), rtol=3e-3, atol=1e-13)
     both = [m - mean_over_arc(rate, start, duration, -1) for m, start in zip(means, starts, strict=True)]
     angle = LEVEL_RATE * np.max(np.abs(both)) / 2 / rate
-    bound = rates.installation_error_from_earth_rate(rate, LAT)
+    bound = earth_in_installation(rate)
     assert_allclose(angle, bound, rtol=3e-3, atol=1e-16)
 
 
@@ -283,12 +290,12 @@ def test_turns_in_the_notes(notes):
         (
             "rate-installation",
             "0.012 arcsec",
-            rates.installation_error_from_earth_rate(slides.RATE_RANGE, LAT) / ARCSEC,
+            earth_in_installation(slides.RATE_RANGE) / ARCSEC,
         ),
         (
             "rate-installation",
             "0.19",
-            rates.installation_error_from_earth_rate(50 * DEG_PER_SECOND, LAT) / ARCSEC,
+            earth_in_installation(50 * DEG_PER_SECOND) / ARCSEC,
         ),
         ("rate-installation", "50 times", slides.INSTALLATION_RATE / (3 * DEG_PER_SECOND)),
         ("rate-scale", "76 %", 100 * rates.share_of_largest(2)),

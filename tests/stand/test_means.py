@@ -17,7 +17,7 @@ from fogkit.imu.triads import LinearTriad
 from fogkit.imu.unit import MeasurementUnit, Sensors
 from fogkit.noise.processes import RandomErrors
 from fogkit.stand.laboratory import Laboratory
-from fogkit.stand.means import expected_inputs, observations
+from fogkit.stand.means import expected_inputs, observations, with_inputs
 from fogkit.stand.placements import (
     Placement,
     Schedule,
@@ -338,3 +338,11 @@ def test_no_alarm_for_an_accelerometer_that_points_backwards():
 def test_errors_name_the_argument(make, message):
     with pytest.raises(ValueError, match=message):
         make(measured(EXACT, SIX))
+
+
+def test_readings_without_a_recording_need_a_row_for_each_placement():
+    readings = np.ones((6, 6))
+    observed = with_inputs(readings, SIX, LABORATORY)
+    assert_array_equal(observed.omega_ib_b, observations(recorded(), SIX, LABORATORY).omega_ib_b)
+    with pytest.raises(ValueError, match="`readings` must be of shape"):
+        with_inputs(readings[:5], SIX, LABORATORY)

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from fogkit.results import FrozenArrays
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -19,7 +21,7 @@ Direction = Mapping[str, float]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Solution:
+class Solution(FrozenArrays):
     """Estimate of a least-squares fit, how sure it is, and what the data leave open.
 
     Attributes
@@ -71,14 +73,6 @@ class Solution:
     unobservable: tuple[Direction, ...] = ()
     undetermined: tuple[Direction, ...] = ()
     evaluations: int = 0
-
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if isinstance(value, np.ndarray):
-                kept = value.copy()
-                kept.setflags(write=False)  # a covariance that is edited no longer belongs to its estimate
-                object.__setattr__(self, field.name, kept)
 
     def __getitem__(self, name: str) -> float:
         """Estimate of one parameter."""

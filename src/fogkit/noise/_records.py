@@ -10,18 +10,11 @@ from typing import Any, Self
 import numpy as np
 
 from fogkit.noise.processes import RandomErrors
+from fogkit.results import FrozenArrays
 
 
-class ArrayRecord:
+class ArrayRecord(FrozenArrays):
     """Mixin of frozen dataclasses of numbers, arrays, names, `RandomErrors` and other such records."""
-
-    def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if isinstance(value, np.ndarray):
-                kept = value.copy()
-                kept.setflags(write=False)  # a covariance that is edited no longer belongs to its estimate
-                object.__setattr__(self, field.name, kept)
 
     def to_json(self) -> str:
         """Text from which `from_json` makes an equal record, every bit of every number included."""

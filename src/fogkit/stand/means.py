@@ -154,14 +154,39 @@ def observations(
         each = [mean_covariance(errors, start, start + counts * dt, dt) for errors in random]
         covariance = np.repeat(each, 3, axis=0) * scale[:, None, None] ** 2
     known = (np.diagonal(covariance, axis1=1, axis2=2) > 0).all()
+    return with_inputs(readings, schedule, laboratory, covariance if known else None)
+
+
+def with_inputs(
+    readings: NDArray[np.float64],
+    schedule: Schedule,
+    laboratory: Laboratory,
+    covariance: NDArray[np.float64] | None = None,
+) -> Observations:
+    """Observations of a schedule from its mean readings, shape (n, 6), with the inputs that it says.
+
+    Parameters
+    ----------
+    readings : ndarray, shape (n, 6)
+        Mean readings of gyros and accelerometers, one row for each placement.
+    schedule, laboratory
+        As in `observations`.
+    covariance : ndarray, shape (6, n, n), optional
+        Covariance of the readings of each sensor.
+
+    Raises
+    ------
+    ValueError
+        If there is not one row of finite readings for each placement.
+    """
     omega, force = expected_inputs(schedule, laboratory)
     return Observations(
         labels=tuple(schedule.labels),
-        readings=readings,
+        readings=checks.finite_array("readings", readings, shape=(len(schedule), 6)),
         bias_share=np.ones(len(schedule)),
         omega_ib_b=omega,
         f_ib_b=force,
-        covariance=covariance if known else None,
+        covariance=covariance,
     )
 
 

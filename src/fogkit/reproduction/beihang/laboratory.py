@@ -17,7 +17,7 @@ from fogkit.imu.unit import MeasurementUnit, Sensors, Shape
 from fogkit.noise.processes import RandomErrors
 from fogkit.stand import placements
 from fogkit.stand.laboratory import Laboratory
-from fogkit.stand.means import Observations, expected_inputs, observations
+from fogkit.stand.means import Observations, expected_inputs, observations, with_inputs
 from fogkit.stand.placements import Schedule
 from fogkit.units import (
     ARCMIN,
@@ -100,15 +100,7 @@ def noise_free(unit: MeasurementUnit, schedule: Schedule, actual: Laboratory, be
     """Observations without noise of a unit with constant scale factors, made in one place and read as in another."""
     omega, force = expected_inputs(schedule, actual)
     readings = np.hstack([unit.gyros.expected(omega, force), unit.accelerometers.expected(force)])
-    omega, force = expected_inputs(schedule, believed)
-    return Observations(
-        labels=tuple(schedule.labels),
-        readings=readings,
-        bias_share=np.ones(len(schedule)),
-        omega_ib_b=omega,
-        f_ib_b=force,
-        covariance=None,
-    )
+    return with_inputs(readings, schedule, believed)
 
 
 def calibrate_both(

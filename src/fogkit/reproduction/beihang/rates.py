@@ -1,10 +1,9 @@
-"""The rates of the list: whole turns, what the Earth rate and noise leave, and the scale factor against one turn."""
+"""The rates of the list: whole turns, what they leave of a level vector, and the scale factor against one turn."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fogkit import checks
-from fogkit.constants import EARTH_RATE
 from fogkit.reproduction.beihang import slides
 from fogkit.units import REVOLUTION
 
@@ -36,24 +35,6 @@ def horizontal_left(rate: ArrayLike, duration: float = slides.RATE_DURATION) -> 
     ``|sin(theta/2) / (theta/2)|`` of the angle theta turned: 1 at rest, 0 for whole turns.
     """
     return np.abs(np.sinc(turns(rate, duration)))
-
-
-def installation_error_from_earth_rate(rate: ArrayLike, lat: float, duration: float = slides.RATE_DURATION) -> Array:
-    """Largest error of an installation angle, rad: half the difference of both directions over the rate.
-
-    Both start from the same azimuth; then ``sin(theta/2)**2 / (theta/2)`` of the horizontal Earth rate is left. If the
-    table turns back over the same arc, nothing is left at any rate.
-    """
-    rate = np.abs(checks.finite_array("rate", rate))
-    half = np.pi * turns(rate, duration)
-    return EARTH_RATE * np.cos(lat) * np.sin(half) ** 2 / half / rate
-
-
-def installation_error_from_noise(
-    rate: ArrayLike, angle_random_walk: float, duration: float = slides.RATE_DURATION
-) -> Array:
-    """Standard deviation of an installation angle, rad, from white noise, rad/sqrt(s), over both directions."""
-    return angle_random_walk / np.sqrt(2 * duration) / np.abs(checks.finite_array("rate", rate))
 
 
 def scale_deviation_of_list(angle_random_walk: float) -> float:
