@@ -31,8 +31,8 @@ EDGE_OVER_NEXT = 2.5
 a tilted unit reads it on a turning table, has ``1 + sqrt(2)`` times more."""
 
 EDGE_DEVIATIONS = 4.0
-"""Standard deviations of its counts by which a channel counted in pulses must exceed `EDGE_OVER_NEXT`: where most readings
-come more than once, that ratio may be chance."""
+"""Standard deviations of its counts by which a channel counted in pulses must exceed `EDGE_OVER_NEXT`: where most
+readings come more than once, that ratio may be chance."""
 
 FEW_STEPS = 4
 """Different readings up to which a channel is one counted in pulses: it may stand at its edge without being clipped,
