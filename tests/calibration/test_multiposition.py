@@ -41,6 +41,7 @@ from fogkit.imu.tables import ACCEL_COLUMNS, GYRO_COLUMNS
 from fogkit.imu.triads import LinearTriad
 from fogkit.imu.unit import MeasurementUnit, Sensors
 from fogkit.stand.laboratory import Laboratory
+from fogkit.stand.means import observations
 from fogkit.stand.placements import Placement, Schedule, full_turns, six_positions, twenty_four_points
 from fogkit.units import DEG
 
@@ -81,7 +82,10 @@ def test_any_unit_at_any_place_with_the_plate_turned_anyhow(seed, latitude, azim
     gyros, accelerometers = random_triad(rng, 4e5, 1e-6), random_triad(rng, 1e4, 0.1)
     unit = MeasurementUnit(gyros=Sensors(triad=gyros), accelerometers=Sensors(triad=accelerometers))
     believed = Laboratory(latitude=latitude)
-    observed = measured(unit, PLAN, replace(believed, azimuth_error=azimuth), believed=believed, sample_rate=2.0)
+    signs = np.sign(np.diagonal(np.array([*gyros.matrix, *accelerometers.matrix]).reshape(2, 3, 3), axis1=1, axis2=2))
+    plate = replace(believed, azimuth_error=azimuth)
+    recording = plate.record(unit, PLAN, rng, sample_rate=2.0)
+    observed = observations(recording, PLAN, believed, equivalents=signs.ravel())
     assert_recovered(calibrate_gyros(averaged(PLAN, observed)).triad, gyros, EARTH_RATE)
     assert_recovered(calibrate_accelerometers(average_positions(observed, PLAN)).triad, accelerometers, 9.8)
 

@@ -7,12 +7,13 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fogkit.calibration import multiposition
+from fogkit.calibration.rate_sequence import installation_accuracy
 from fogkit.noise.processes import RandomErrors
 from fogkit.reproduction.beihang import examples, laboratory
 from fogkit.reproduction.beihang.laboratory import PLACE, calibrate_both, example_unit, noise_free
 from fogkit.stand import placements
 from fogkit.stand.placements import Placement, Schedule
-from fogkit.units import ARCMIN, DEG, DEG_PER_HOUR, DEG_PER_SECOND, PPM
+from fogkit.units import ARCMIN, DEG, DEG_PER_HOUR, DEG_PER_SECOND, MINUTE, PPM
 
 NOISE = RandomErrors(angle_random_walk=2.0, bias_instability=1.5)
 
@@ -138,3 +139,16 @@ def test_information_is_quadratic_in_the_rate_on_an_exact_table():
 def test_the_room_is_off_level_and_unoriented():
     assert abs(examples.ROOM.level_east) >= ARCMIN - 1e-12 and abs(examples.ROOM.azimuth_error) > 10 * DEG
     assert laboratory.PLACE.azimuth_error == 0
+
+
+def test_150_is_the_best_rate_where_the_earth_is_left_out_and_200_where_it_is_counted():
+    runs = laboratory.installation_runs()
+    rates = np.array([run.rate for run in runs])
+    counted, left_out = (np.array([getattr(run, name) for run in runs]) for name in ("spread", "without_earth"))
+    assert_allclose(rates[np.argmin(left_out)], 150 * DEG_PER_SECOND)
+    assert_allclose(rates[np.argmin(counted)], 200 * DEG_PER_SECOND)
+    limits = [installation_accuracy(rate, 2 * MINUTE, laboratory.GYRO_NOISE, PLACE) for rate in rates]
+    noise, earth = (np.array([getattr(limit, name) for limit in limits]) for name in ("noise", "earth"))
+    # 48 angles each, 5 sigma; a random azimuth makes of the bound its root mean square
+    assert_allclose(counted, noise, rtol=5 / np.sqrt(2 * 48))
+    assert_allclose(left_out, np.hypot(noise, earth / np.sqrt(2)), rtol=5 / np.sqrt(2 * 48))

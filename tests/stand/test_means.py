@@ -16,6 +16,8 @@ from fogkit.imu.tables import IMU_COLUMNS
 from fogkit.imu.triads import LinearTriad
 from fogkit.imu.unit import MeasurementUnit, Sensors
 from fogkit.noise.processes import RandomErrors
+from fogkit.reproduction.beihang.examples import ROOM
+from fogkit.reproduction.beihang.laboratory import PLACE, example_unit
 from fogkit.stand.laboratory import Laboratory
 from fogkit.stand.means import expected_inputs, observations, with_inputs
 from fogkit.stand.placements import (
@@ -317,11 +319,23 @@ def test_no_alarm_for_rounding():
     assert observations(table, SIX, LABORATORY).covariance is None
 
 
-def test_no_alarm_for_an_accelerometer_that_points_backwards():
+def test_an_accelerometer_that_points_backwards_looks_like_positions_swapped():
     matrix = np.diag([1.0, -1.0, 1.0])
     unit = replace(NOISY, accelerometers=replace(NOISY.accelerometers, triad=LinearTriad(matrix=matrix)))
-    observed = measured(unit, SIX)
+    with pytest.warns(UserWarning, match=r"`accel_y` reads less with y up than with y down: .* '3', '4' were swapped"):
+        observed = measured(unit, SIX)
     assert observed.readings[2, 4] < -9  # y up
+    observations(recorded(unit=unit), SIX, LABORATORY, equivalents=(1, 1, 1, 1, -1, 1))
+    with pytest.warns(UserWarning, match="positions '1', '2' were swapped"):
+        observations(relabelled({"1": "2", "2": "1"})(recorded()), SIX, LABORATORY)
+
+
+def test_readings_of_few_levels_are_not_clipped_by_chance():
+    # counted in pulses at 2 Hz, a tilted unit that turns reads a sine of a few levels
+    unit, plan = example_unit(), full_turns()
+    for seed in range(20):
+        table = ROOM.record(unit, plan, np.random.default_rng(seed), sample_rate=2.0)
+        observations(table, plan, PLACE)
 
 
 @pytest.mark.parametrize(

@@ -18,6 +18,10 @@ def test_a_gyro_level_test_does_not_replace_a_system_level_one_the_more_so_the_b
     assert found[1].ratio > 5
 
 
+def test_a_gyro_level_test_need_not_be_symmetric_to_fail():
+    assert temperature.gyro_level_against_system_level(asymmetry=0.1).ratio > 5
+
+
 def test_what_does_not_repeat_remains():
     result = temperature.repeatability((0.0, 0.1, 0.3))
     # each run adds its offset, and a tenth in variance by the fit; 3 sigma of a deviation from 40 numbers, of which the

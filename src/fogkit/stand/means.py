@@ -4,6 +4,7 @@ Sums and differences of placements, such as the mean of four headings or half th
 observations too: `Observations.combine` forms them, in readings and inputs alike.
 """
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -29,6 +30,10 @@ CLIPPED_SHARE = 0.2
 EDGE_OVER_NEXT = 2.5
 """How many times more samples a clipped channel has at its edge than at the next reading. Counted in pulses a sine, as
 a tilted unit reads it on a turning table, has ``1 + sqrt(2)`` times more."""
+
+EDGE_DEVIATIONS = 4.0
+"""Standard deviations of its counts by which a channel counted in pulses must exceed `EDGE_OVER_NEXT`: where most
+readings come more than once, that ratio may be chance."""
 
 FEW_STEPS = 4
 """Different readings up to which a channel is one counted in pulses: it may stand at its edge without being clipped,
@@ -121,7 +126,8 @@ def observations(
         first sample. By default it follows from the scatter of the samples about what a steady turn makes of tilts and
         the Earth's rotation, taken as white; the standard deviations are then too small where a bias wanders.
     equivalents : array_like, shape (6,), optional
-        Approximate readings per unit of input, gyros then accelerometers, for `random`.
+        Approximate readings per unit of input, gyros then accelerometers, for `random`; negative for an accelerometer
+        that points backwards.
 
     Returns
     -------
@@ -134,13 +140,20 @@ def observations(
         If a column or a position is missing, a position stands twice, readings are NaN, samples are lost, a channel is
         clipped or frozen, or the vertical axis of a position is another one than its label says. The message names the
         position and the channel.
+
+    Warns
+    -----
+    UserWarning
+        If an accelerometer reads less with its axis up than down and `equivalents` do not say so: it points backwards,
+        or all its positions were swapped, which readings cannot tell.
     """
     pieces = _pieces(recording, schedule)
     for placement, piece in zip(schedule.placements, pieces, strict=True):
         _require_sound(placement, piece)
     _require_alive(schedule, pieces)
     readings = np.stack([piece[list(IMU_COLUMNS)].to_numpy().mean(axis=0) for piece in pieces])
-    _require_vertical(schedule, readings[:, 3:])
+    scale = checks.finite_array("equivalents", equivalents, shape=(6,))
+    _require_vertical(schedule, readings[:, 3:], np.sign(scale[3:]))
     counts = np.array([len(piece) for piece in pieces])
     if random is None:
         scatter = np.stack([_scatter(*pair) for pair in zip(schedule.placements, pieces, strict=True)])
@@ -148,7 +161,6 @@ def observations(
         variance = np.where(scatter > (ROUNDING * largest) ** 2, scatter, 0.0) / counts[:, None]
         covariance = np.stack([np.diag(column) for column in variance.T])
     else:
-        scale = checks.finite_array("equivalents", equivalents, shape=(6,))
         start = np.array([piece.index[0] for piece in pieces])
         dt = float(np.mean(np.diff(pieces[0].index)))
         each = [mean_covariance(errors, start, start + counts * dt, dt) for errors in random]
@@ -272,7 +284,8 @@ def _clipped_at(levels: NDArray[np.float64], counts: NDArray[np.int_]) -> float 
     if len(levels) <= FEW_STEPS:
         return None
     for edge, beside in ((-1, -2), (0, 1)):
-        if counts[edge] > max(CLIPPED_SHARE * counts.sum(), EDGE_OVER_NEXT * counts[beside]):
+        chance = EDGE_DEVIATIONS * np.sqrt(counts[edge] + EDGE_OVER_NEXT**2 * counts[beside]) * (np.median(counts) > 1)
+        if counts[edge] > max(CLIPPED_SHARE * counts.sum(), EDGE_OVER_NEXT * counts[beside] + chance):
             return levels[edge]
     return None
 
@@ -290,7 +303,7 @@ def _scatter(placement: Placement, piece: "DataFrame") -> NDArray[np.float64]:
     return np.sum(rest**2, axis=0) / (len(values) - left.shape[1])
 
 
-def _require_vertical(schedule: Schedule, accelerometers: NDArray[np.float64]) -> None:
+def _require_vertical(schedule: Schedule, accelerometers: NDArray[np.float64], signs: NDArray[np.float64]) -> None:
     """Error for a position whose upright axis is another one than its label says, where the readings tell."""
     vertical = [placement.vertical for placement in schedule.placements]
     for axis, name in enumerate("xyz"):
@@ -300,7 +313,7 @@ def _require_vertical(schedule: Schedule, accelerometers: NDArray[np.float64]) -
         middle, half = (column.max() + column.min()) / 2, (column.max() - column.min()) / 2
         shares = (column - middle) / (half or 1.0)
         up = np.mean([share for share, v in zip(shares, vertical, strict=True) if v == (axis, 1)])
-        shares = shares if up >= 0 else -shares  # an accelerometer whose positive direction is the other one
+        shares = shares if up >= 0 else -shares
         for placement, share, (upright, sign) in zip(schedule.placements, shares, vertical, strict=True):
             expected = sign if upright == axis else 0
             if abs(share - expected) > 0.5:
@@ -309,6 +322,13 @@ def _require_vertical(schedule: Schedule, accelerometers: NDArray[np.float64]) -
                     f"position {placement.label!r} has {name} {word[expected]} by its label, but `accel_{name}` reads "
                     f"{share:+.2f} of its span: {name} {word[int(np.clip(round(share), -1, 1))]}"
                 )
+        if up * signs[axis] < 0:
+            labels = [p.label for p, v in zip(schedule.placements, vertical, strict=True) if v[0] == axis]
+            warnings.warn(
+                f"`accel_{name}` reads less with {name} up than with {name} down: it points backwards, or the "
+                f"positions {_quoted(labels)} were swapped. Give its `equivalents` with the sign that it has.",
+                stacklevel=3,
+            )
 
 
 def _quoted(labels: Sequence[str]) -> str:

@@ -36,12 +36,19 @@ POINTS = ("source", "coil_top", "coil_bottom", "electronics", "accelerometer", "
 
 
 @cache
-def alone() -> ThermalNetwork:
-    """Network of a gyro tested alone: both faces of the coil feel the chamber alike, the electronics stand apart."""
+def alone(asymmetry: float = 0.0) -> ThermalNetwork:
+    """Network of a gyro tested alone: both faces of the coil feel the chamber alike, the electronics stand apart.
+
+    Parameters
+    ----------
+    asymmetry : float, optional
+        Difference of the conductances between the two faces and the chamber, over their mean.
+    """
+    half = checks.in_open_interval("asymmetry", asymmetry, -2, 2) / 2
     return ThermalNetwork(
         capacities=_GYRO_CAPACITIES,
         conductances=_COIL_CONDUCTANCES
-        | {("coil_top", CHAMBER): 0.1, ("coil_bottom", CHAMBER): 0.1}
+        | {("coil_top", CHAMBER): 0.1 * (1 + half), ("coil_bottom", CHAMBER): 0.1 * (1 - half)}
         | {("source", CHAMBER): 0.05, ("electronics", CHAMBER): 0.4},
         heat=_GYRO_HEAT,
     )

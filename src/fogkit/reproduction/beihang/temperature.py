@@ -76,7 +76,9 @@ class LevelComparison(Record):
     ratio: float
 
 
-def gyro_level_against_system_level(noise_factor: float = 1.0, seed: int = 34) -> LevelComparison:
+def gyro_level_against_system_level(
+    noise_factor: float = 1.0, seed: int = 34, *, asymmetry: float = 0.0
+) -> LevelComparison:
     """Compensation from a test of the gyro alone, used in the unit, against one from a test of the unit.
 
     "The result of a temperature test of the gyro alone can only be a reference and cannot replace the test of the whole
@@ -88,6 +90,8 @@ def gyro_level_against_system_level(noise_factor: float = 1.0, seed: int = 34) -
         Factor on all noise, of gyro and thermometers, and on the repeatability: below 1 for a more accurate gyro.
     seed : int, optional
         Seed of the noise.
+    asymmetry : float, optional
+        Of the gyro alone, as in `fogkit.thermal.experiment.alone`.
     """
     factor = checks.positive("noise_factor", noise_factor)
     rng = np.random.default_rng(seed)
@@ -99,7 +103,7 @@ def gyro_level_against_system_level(noise_factor: float = 1.0, seed: int = 34) -
     )
     meter = experiment.Thermometer(noise=0.01 * factor, resolution=0.005 * factor)
     options = {"effects": {"bias": gyro}, "thermometer": meter, "rng": rng}
-    alone, unit = experiment.alone(), experiment.in_unit()
+    alone, unit = experiment.alone(asymmetry), experiment.in_unit()
     gyro_runs, gyro_test, unit_runs, unit_test = (
         experiment.campaign(network, _plan(), **options) for network in (alone, alone, unit, unit)
     )
@@ -133,6 +137,8 @@ class CoilField(Record):
 
 def field_in_unit() -> CoilField:
     """Temperature field at the coil with and without neighbours that heat, in a steady chamber, exact.
+
+    Alone the difference is zero because the network is symmetric; what a real chamber leaves is not known.
 
     "In a system other instruments and circuits heat too, and the field is very different."
     """
@@ -386,8 +392,17 @@ class PruningRates(Record):
     false_points: float
 
 
-def pruning_rates(seeds: Iterable[int] = range(200), treatment: str = TREATMENTS[-1]) -> PruningRates:
+def pruning_rates(
+    seeds: Iterable[int] = range(200),
+    treatment: str = TREATMENTS[-1],
+    *,
+    strength: float = 1.0,
+    thermometer_noise: float = 0.01,
+) -> PruningRates:
     """How often pruning six points finds the three that count.
+
+    The rates are those of this network, gyro, schedule and thermometers: where effects are weaker or thermometers
+    noisier, the points are not told apart.
 
     Parameters
     ----------
@@ -398,17 +413,30 @@ def pruning_rates(seeds: Iterable[int] = range(200), treatment: str = TREATMENTS
         independent and thermometers exact; ``"samples, hac"``: the same with errors that allow for correlated
         residuals; ``"rows"``: one row per window, thermometers as if exact; ``"rows and thermometers"``: with their
         noise.
+    strength : float, optional
+        Factor on all coefficients of the gyro.
+    thermometer_noise : float, optional
+        Noise of a sample of the thermometers, K; their resolution is half of it.
     """
     checks.option("treatment", treatment, TREATMENTS)
+    gyro, factor = experiment.example_gyro(), checks.positive("strength", strength)
+    gyro = replace(
+        gyro,
+        temperature={point: factor * value for point, value in gyro.temperature.items()},
+        rate={point: factor * value for point, value in gyro.rate.items()},
+    )
     sampled = treatment.startswith("samples")
     window = None if sampled else experiment.WINDOW
-    meter = experiment.Thermometer()
+    meter = experiment.Thermometer(noise=thermometer_noise, resolution=0.5 * thermometer_noise)
     options = {"noise": _row_noise(meter)} if treatment == TREATMENTS[-1] else {}
     options |= {"covariance": "hac", "lags": 24} if treatment == "samples, hac" else {}
     found = []
     for seed in seeds:
         rng = np.random.default_rng(seed)
-        tables = experiment.campaign(experiment.in_unit(), _plan(), window=window, thermometer=meter, rng=rng)
+        effects = {"bias": gyro}
+        tables = experiment.campaign(
+            experiment.in_unit(), _plan(), window=window, effects=effects, thermometer=meter, rng=rng
+        )
         if sampled:
             running = rates.RateFilter(window=experiment.WINDOW)
             tables = [rates.add_rates(table, running) for table in tables]
