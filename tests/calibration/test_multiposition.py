@@ -486,3 +486,11 @@ TURNED = Schedule([*TURNS.placements[:5]])
 def test_errors_name_what_is_missing(make, message):
     with pytest.raises(ValueError, match=message):
         make()
+
+
+def test_swapped_gyros_are_doubted():
+    observed = measured(NOISY, PLAN)
+    swapped = replace(observed, readings=observed.readings[:, [1, 0, 2, 3, 4, 5]])
+    with pytest.warns(UserWarning, match="hardly reads along [xy], .* but along [yx], .* channels swapped") as caught:
+        calibrate_gyros(averaged(PLAN, swapped))
+    assert [str(warning.message).split("`")[1] for warning in caught] == ["gyro_x", "gyro_y"]

@@ -328,3 +328,9 @@ RATE = np.random.default_rng(12).standard_normal(100)
 def test_bad_input(call, kind, words):
     with pytest.raises(kind, match=words):
         call()
+
+
+def test_a_table_of_one_channel_is_a_channel():
+    table = pd.DataFrame({"gyro_x": RATE}, index=np.arange(len(RATE)) * 1.0)
+    white = ["angle_random_walk"]
+    assert identify(table, processes=white).estimate == identify(RATE, 1.0, processes=white).estimate

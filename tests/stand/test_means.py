@@ -82,7 +82,8 @@ def test_covariance_from_stated_errors_follows_the_recording():
         [Placement(label="1", axes="UEN", duration=4.0), Placement(label="2", axes="DES", duration=4.0)]
     )
     random = (RandomErrors(angle_random_walk=3.0), RandomErrors(bias_instability=2.0))
-    observed = observations(recorded(schedule), schedule, LABORATORY, random=random, equivalents=[1, 2, 3, 4, 5, -6])
+    equivalents = [1, 2, 3, EQUIVALENTS[3], 5, -6]  # with x up and down the recording shows that of accelerometer x
+    observed = observations(recorded(schedule), schedule, LABORATORY, random=random, equivalents=equivalents)
     assert_allclose(observed.covariance[1], 4 * 9 / 4 * np.eye(2), rtol=1e-14)  # equivalent^2 N^2 / tau
     # half the mean square of a difference of neighbours is the Allan variance, whatever was before
     (a, c), (_, b) = observed.covariance[5]
@@ -221,6 +222,42 @@ def test_what_is_wrong_is_named(name):
     change, message = REFUSED[name]
     with pytest.raises(ValueError, match=message):
         observations(change(recorded()), SIX, LABORATORY)
+
+
+UNSUITABLE = {
+    "time as a column": (lambda t: (t.reset_index(), SIX, LABORATORY), ValueError, "set_index"),
+    "labels that are numbers": (
+        lambda t: (t.assign(position=t.position.astype(int)), SIX, LABORATORY),
+        TypeError,
+        "`recording['position']` must hold labels as text, got numbers",
+    ),
+    "readings that are text": (
+        lambda t: (t.assign(gyro_y=t.gyro_y.astype(str)), SIX, LABORATORY),
+        TypeError,
+        "`recording['gyro_y']` must hold real numbers",
+    ),
+    "list of placements": (lambda t: (t, SIX.placements, LABORATORY), TypeError, "`schedule` must be a Schedule"),
+    "latitude alone": (lambda t: (t, SIX, 0.7), TypeError, "`laboratory` must be a Laboratory, got float"),
+}
+
+
+@pytest.mark.parametrize("name", UNSUITABLE)
+def test_what_is_of_the_wrong_kind_is_named(name):
+    make, kind, message = UNSUITABLE[name]
+    with pytest.raises(kind, match=re.escape(message)):
+        observations(*make(recorded()))
+
+
+def test_random_errors_are_those_of_both_kinds():
+    with pytest.raises(TypeError, match="`random` must be two RandomErrors"):
+        observations(recorded(), SIX, LABORATORY, random=RandomErrors())
+
+
+def test_equivalents_that_do_not_fit_the_readings_are_doubted():
+    random = (NOISY.gyros.random, NOISY.accelerometers.random)
+    wrong = (*EQUIVALENTS[:4], 3 * EQUIVALENTS[4], EQUIVALENTS[5])
+    with pytest.warns(UserWarning, match=re.escape(f"`equivalents` has {wrong[4]:.4g} for `accel_y`, which reads")):
+        observations(recorded(), SIX, LABORATORY, random=random, equivalents=wrong)
 
 
 def test_low_clipping_is_found_too():

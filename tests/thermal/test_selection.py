@@ -216,6 +216,16 @@ def test_condition_of_separability_is_that_of_the_fit():
     assert_allclose(found.variance_inflation, result.vif[1], rtol=1e-9)
 
 
+def test_one_model_needs_no_list():
+    model, runs = models.single_point("a"), [table(np.random.default_rng(seed)) for seed in (1, 2)]
+    assert cross_validate(model, runs).equals(cross_validate([model], runs))
+
+
+def test_a_text_is_no_sequence_of_points():
+    with pytest.raises(TypeError, match="`points` must be a sequence of names, got the text 'ab'"):
+        prune(table(np.random.default_rng(12)), "ab")
+
+
 @pytest.mark.parametrize(
     ("call", "words"),
     [
@@ -223,7 +233,7 @@ def test_condition_of_separability_is_that_of_the_fit():
         (lambda t: prune(t, POINTS, family_wise=0), "`family_wise`"),
         (lambda t: prune(t, POINTS, noise=(-1, 0)), r"`noise\[0\]`"),
         (lambda t: prune(t, models.accelerometer_bias("a"), noise=(1, 1)), "`noise` must be left out"),
-        (lambda t: prune(t, "abd"), "without 'temperature_d'"),
+        (lambda t: prune(t, list("abd")), "without 'temperature_d'"),
         (lambda t: partial_f(fit(models.single_point("a"), t), "b"), "`point`"),
         (lambda t: separability(t.assign(temperature_a=2.0), "a"), "`temperature_a` must vary"),
         (
@@ -231,6 +241,7 @@ def test_condition_of_separability_is_that_of_the_fit():
             "`models` must have different names",
         ),
         (lambda t: separability(t, "e"), "without 'temperature_e'"),
+        (lambda t: prune(pd.concat([t, t]), POINTS), "`tables` must have an increasing index"),
         (lambda t: cross_validate([models.single_point("a")], [t, t], [t.bias, t.bias[:-1]]), "`response` must be as"),
     ],
 )

@@ -10,6 +10,7 @@ turns (`turn_differences`) do the same for biases.
 """
 
 import json
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -20,6 +21,7 @@ from numpy.typing import NDArray
 from fogkit import checks
 from fogkit.estimation import Solution, linear
 from fogkit.imu.triads import AXES, LinearTriad
+from fogkit.stand.laboratory import IMU_COLUMNS
 from fogkit.stand.means import Observations
 from fogkit.stand.placements import Schedule
 
@@ -29,6 +31,10 @@ if TYPE_CHECKING:
 Weights = tuple[NDArray[np.float64], list[str]]
 
 TERMS = ("bias", "matrix", "acceleration_sensitivity")
+
+SMALLEST_COSINE = 0.5
+"""Direction cosine of a sensor along its nominal axis below which a fit warns; axes on the edges of a cube that stands
+on its corner have 0.577."""
 
 ROUNDING = 1e-13
 """Part of the largest input below which an input counts as none."""
@@ -216,6 +222,29 @@ def calibrate_accelerometers(observed: Observations) -> LinearCalibration:
     ------
     ValueError
         If the positions leave a parameter open; the message names it.
+
+    Warns
+    -----
+    UserWarning
+        If a sensor reads along another axis rather than its own, as after a swap of columns.
+
+    Examples
+    --------
+    A recording of a unit in six positions; from a file it would be
+    ``pd.read_csv(path, index_col="time", dtype={"position": str})``:
+
+    >>> from fogkit.imu.triads import LinearTriad
+    >>> from fogkit.imu.unit import MeasurementUnit, Sensors
+    >>> from fogkit.stand.laboratory import Laboratory
+    >>> from fogkit.stand.means import observations
+    >>> from fogkit.stand.placements import six_positions
+    >>> planted = LinearTriad.from_standard(scale_factor=[1.001, 0.999, 1.0], input_bias=[0.01, -0.02, 0.0])
+    >>> unit = MeasurementUnit(accelerometers=Sensors(triad=planted))
+    >>> place, plan = Laboratory(latitude=0.8), six_positions()
+    >>> recording = place.record(unit, plan, np.random.default_rng(1))
+    >>> found = calibrate_accelerometers(observations(recording, plan, place)).triad
+    >>> found.scale_factor.round(6), found.input_bias.round(6) + 0.0
+    (array([1.001, 0.999, 1.   ]), array([ 0.01, -0.02,  0.  ]))
     """
     return _calibrate(observed, slice(3, 6), {"matrix": observed.f_ib_b})
 
@@ -240,6 +269,11 @@ def calibrate_gyros(observed: Observations, *, acceleration_sensitivity: bool = 
     ------
     ValueError
         If the observations leave a parameter open; the message names it.
+
+    Warns
+    -----
+    UserWarning
+        If a sensor reads along another axis rather than its own, as after a swap of columns.
     """
     inputs = {"matrix": observed.omega_ib_b}
     if acceleration_sensitivity:
@@ -259,7 +293,16 @@ def _calibrate(observed: Observations, sensors: slice, inputs: Mapping[str, NDAr
         solution = linear(design, readings, covariance=None if covariance is None else covariance[j], names=names)
         solution.raise_if_unobservable("the plan")
         solutions.append(solution)
-    return LinearCalibration(solutions=tuple(solutions))
+    result = LinearCalibration(solutions=tuple(solutions))
+    for j, (axis, cosines) in enumerate(zip(AXES, result.triad.cosines, strict=True)):
+        nearest = int(np.argmax(np.abs(cosines)))
+        if abs(cosines[j]) < SMALLEST_COSINE:
+            warnings.warn(
+                f"`{IMU_COLUMNS[sensors][j]}` hardly reads along {axis}, direction cosine {cosines[j]:.3g}, but along "
+                f"{AXES[nearest]}, {cosines[nearest]:.3g}: are channels swapped?",
+                stacklevel=3,
+            )
+    return result
 
 
 def _beyond_rounding(inputs: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -326,7 +369,7 @@ def averages_and_differences(observed: Observations, schedule: Schedule) -> Obse
 
 def _combined(observed: Observations, schedule: Schedule, *ways: Callable[[Schedule], Weights]) -> Observations:
     """Combinations of observations by one or more ways to weight a schedule."""
-    _require_same(observed, schedule)
+    require_same(observed, schedule)
     parts = [way(schedule) for way in ways]
     return observed.combine(np.concatenate([w for w, _ in parts]), [name for _, names in parts for name in names])
 
@@ -375,7 +418,8 @@ def _differences(schedule: Schedule) -> Weights:
     return weights, [schedule.labels[plus] for plus, _ in pairs]
 
 
-def _require_same(observed: Observations, schedule: Schedule) -> None:
+def require_same(observed: Observations, schedule: Schedule) -> None:
+    """``ValueError`` unless there is one observation for each placement, in the same order."""
     if list(observed.labels) != schedule.labels:
         raise ValueError(
             f"`observed` must hold one observation for each placement of `schedule`, {schedule.labels}, "

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fogkit import checks
-from fogkit.calibration.multiposition import LinearCalibration, calibrate_gyros
+from fogkit.calibration.multiposition import LinearCalibration, calibrate_gyros, require_same
 from fogkit.estimation import Solution, linear
 from fogkit.imu.triads import AXES
 from fogkit.noise.processes import RandomErrors
@@ -173,7 +173,10 @@ def fit_scale_factor(
         If a term is unknown, there are too few rates for what is to be fitted, or there is a rate error to weight
         against a noise that is not known.
     """
+    require_same(observed, schedule)
     axis = _axis(axis)
+    if isinstance(terms, str):
+        raise TypeError(f"`terms` must be a sequence of names, got the text {terms!r}")
     terms = tuple(checks.option("terms", term, SHAPES) for term in terms)
     rate_error = checks.non_negative("rate_error", rate_error)
     chosen = [
@@ -181,6 +184,12 @@ def fit_scale_factor(
         for i, placement in enumerate(schedule.placements)
         if placement.vertical == (axis, 1) and (rates is None or np.isclose(placement.rate, rates, rtol=1e-9).any())
     ]
+    there = [schedule.placements[i].rate for i in chosen]
+    if absent := [rate for rate in (() if rates is None else rates) if not np.isclose(rate, there, rtol=1e-9).any()]:
+        raise ValueError(
+            f"`rates` must be rates of the schedule with {AXES[axis]} up, rad/s, got {absent[0]:.6g}. "
+            "Multiply a rate in deg/s by `fogkit.units.DEG_PER_SECOND`."
+        )
     needed = 2 + len(terms)
     distinct = {schedule.placements[i].rate for i in chosen}
     if len(distinct) < needed:
@@ -217,14 +226,15 @@ def installation(observed: Observations, schedule: Schedule, *, rate: float = 15
     Returns
     -------
     LinearCalibration
-        With biases from the same turns. The differences of opposite turns determine the matrix, whose
-        `LinearTriad.misalignment` are the installation errors.
+        With biases from the same turns. The matrix, whose `LinearTriad.misalignment` are the installation errors,
+        follows from the differences of opposite turns, as far as these weigh alike.
 
     Raises
     ------
     ValueError
         If the schedule does not hold the rate both ways about each axis.
     """
+    require_same(observed, schedule)
     rate = checks.positive("rate", rate, "rad/s")
     chosen = [i for i, p in enumerate(schedule.placements) if np.isclose(abs(p.rate), rate, rtol=1e-9)]
     if not chosen:
@@ -273,6 +283,7 @@ def bias_from_east(
     ValueError
         If no position has an axis to the east, which the message names, or nothing is known of the noise.
     """
+    require_same(observed, schedule)
     scale = checks.finite_array("scale_factor", scale_factor, shape=(3,))
     azimuth_deviation = checks.non_negative("azimuth_deviation", azimuth_deviation, "rad")
     level_deviation = checks.non_negative("level_deviation", level_deviation, "rad")
@@ -358,7 +369,12 @@ def installation_accuracy(
 
 
 def without_earth(observed: Observations, schedule: Schedule) -> Observations:
-    """Same observations with the commanded rates alone as inputs, as a table without a known latitude has them."""
+    """Same observations with the commanded rates alone as inputs, as a table without a known latitude has them.
+
+    The Earth's vertical rate is then in the readings and not in the inputs. It cancels in half the difference of
+    opposite turns, and so in a fit in which these weigh alike; other weights let a part of it into the matrix.
+    """
+    require_same(observed, schedule)
     omega = np.stack([_commanded(placement) for placement in schedule.placements])
     return replace(observed, omega_ib_b=omega)
 

@@ -44,6 +44,7 @@ def time_step(table: "DataFrame", name: str = "increments") -> tuple[float, floa
     ValueError
         If times are not finite, not ascending, or not equally spaced, as in a recording with gaps.
     """
+    checks.columns(table, (), name=name)
     times = checks.finite_array(f"{name}.index", table.index, ndim=1, min_size=2)
     steps = np.diff(times)
     if not (steps > 0).all():

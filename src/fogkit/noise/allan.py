@@ -34,6 +34,8 @@ Array = NDArray[np.float64]
 TIME_TOLERANCE = 1e-3
 """Largest departure of a sample's time from an even spacing, in sampling times: a rounded time stamp passes."""
 
+TIME_INDEX = "The index is the time, s; of time stamps take `(index - index[0]).total_seconds()`."
+
 BY_SLOPE = {-2: "quantization", -1: "angle_random_walk", 0: "bias_instability", 1: "rate_random_walk"}
 """Process that has a power of the averaging time in its Allan variance; a steeper rise counts as a random walk."""
 
@@ -190,7 +192,7 @@ def allan_deviation(
     """
     values, dt = record(rate, dt)
     count = len(values)
-    factors = octaves(count) if isinstance(averaging, str) else checked_factors(averaging, count)
+    factors = octaves(count) if isinstance(averaging, str) else checked_factors(averaging, count, "averaging")
     if isinstance(averaging, str):
         checks.option("averaging", averaging, ("octave",))
     variance = np.stack([_variances(column, factors) for column in values.reshape(count, -1).T], axis=1)
@@ -235,7 +237,7 @@ def record(rate: Any, dt: float | None) -> tuple[Array, float]:
 
 def _spacing(time: NDArray) -> float:
     """Sampling time of evenly spaced times."""
-    time = checks.finite_array("rate.index", time, ndim=1, min_size=2, fix="The index is the time, s.")
+    time = checks.finite_array("rate.index", time, ndim=1, min_size=2, fix=TIME_INDEX)
     spacing = (time[-1] - time[0]) / (time.size - 1)
     wrong = np.abs(np.diff(time) - spacing) > TIME_TOLERANCE * abs(spacing)
     if wrong.any() or not spacing > 0:

@@ -177,19 +177,19 @@ def mean_of_squares(factors: tuple[int, ...], dt: float) -> Array:
     return FACTORS * (dt * np.array(factors, dtype=float))[:, None] ** SLOPES
 
 
-def checked_factors(factors: ArrayLike, count: int) -> tuple[int, ...]:
+def checked_factors(factors: ArrayLike, count: int, name: str = "factors") -> tuple[int, ...]:
     """Averaging factors as ints; ``ValueError`` if one does not fit the record, or they do not increase."""
-    values = checks.finite_array("factors", factors, ndim=1)
+    values = checks.finite_array(name, factors, ndim=1)
     for value in values:
         if value < 1 or value != np.rint(value):
-            raise ValueError(f"`factors` must be integers >= 1, got {value:g}")
+            raise ValueError(f"`{name}` must be numbers of samples, integers >= 1, got {value:g}")
         if 2 * value > count:
             raise ValueError(
-                f"`factors` must be at most half of the {count} samples, got {value:.0f}, "
+                f"`{name}` must be at most half of the {count} samples, got {value:.0f}, "
                 f"which needs a record of at least {2 * value:.0f} samples"
             )
     if (np.diff(values) <= 0).any():
-        raise ValueError("`factors` must increase, got some that do not")
+        raise ValueError(f"`{name}` must increase, got some that do not")
     return tuple(int(value) for value in values)
 
 

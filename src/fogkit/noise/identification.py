@@ -354,18 +354,20 @@ def _allan(rate: Any, dt: float | None, averaging: str | ArrayLike) -> AllanDevi
     else:
         values, dt = record(rate, dt)
         allan = allan_deviation(values, dt, averaging=_factors(averaging, len(values)))
-    if allan.deviation.ndim == 2:
+    if allan.deviation.ndim == 1:
+        return allan
+    if allan.deviation.shape[1] > 1:
         raise ValueError(
             f"`rate` must be of one channel, got {allan.deviation.shape[1]}. Take them one by one: "
-            "`identify(rate[:, 0], dt)`, `identify(allan.channel(0))`."
+            "`identify(rate[:, 0], dt)`, `identify(table['gyro_x'])`, `identify(allan.channel(0))`."
         )
-    return allan
+    return allan.channel(0)
 
 
 def _factors(averaging: str | ArrayLike, count: int) -> tuple[int, ...]:
     """Averaging factors of a fit."""
     if not isinstance(averaging, str):
-        return checked_factors(averaging, count)
+        return checked_factors(averaging, count, "averaging")
     checks.option("averaging", averaging, ("octave",))
     return tuple(m for m in octaves(count) if LONGEST * m <= count)
 

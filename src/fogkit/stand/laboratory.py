@@ -69,7 +69,8 @@ class Laboratory:
     rate_error: float = 0.0
 
     def __post_init__(self) -> None:
-        checks.in_closed_interval("latitude", self.latitude, -np.pi / 2, np.pi / 2, "rad")
+        fix = "Multiply degrees by `fogkit.units.DEG`."
+        checks.in_closed_interval("latitude", self.latitude, -np.pi / 2, np.pi / 2, "rad", fix=fix)
         gravity = checks.non_negative("gravity", self.gravity, "m/s^2") or float(normal_gravity(self.latitude))
         object.__setattr__(self, "gravity", gravity)
         for name in ("level_east", "level_north", "azimuth_error"):
@@ -152,6 +153,8 @@ class Laboratory:
         """
         import pandas as pd
 
+        checks.instance("unit", unit, MeasurementUnit)
+        checks.instance("schedule", schedule, Schedule)
         dt = 1 / checks.positive("sample_rate", sample_rate, "Hz")
         checks.generator("rng", rng)
         parts, counts = [], []

@@ -7,13 +7,14 @@ observations too: `Observations.combine` forms them, in readings and inputs alik
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from numbers import Real
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fogkit import checks
-from fogkit.imu.tables import IMU_COLUMNS
+from fogkit.imu.tables import GYRO_COLUMNS, IMU_COLUMNS
 from fogkit.noise import RandomErrors, mean_covariance
 from fogkit.stand.laboratory import Laboratory
 from fogkit.stand.placements import Placement, Schedule
@@ -41,6 +42,10 @@ and its steps do not show that there is noise."""
 
 ROUNDING = 1e-12
 """Scatter, of the largest reading of a channel, that is no noise."""
+
+
+LARGE_RATE, LARGE_FORCE = 1e-3, 1.0
+"""Inputs, rad/s and m/s^2, from which a channel shows how much it reads per unit of input."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -114,8 +119,8 @@ def observations(
     Parameters
     ----------
     recording : pandas.DataFrame
-        As from `Laboratory.record`: index ``time`` in s, columns ``gyro_x`` to ``accel_z`` and ``position``. Samples
-        between placements may be there with a label of NaN.
+        As from `Laboratory.record`: index ``time`` in s, columns ``gyro_x`` to ``accel_z`` and ``position``, with the
+        labels of the schedule as text. Samples between placements may be there with a label of NaN.
     schedule : Schedule
         What was done.
     laboratory : Laboratory
@@ -140,13 +145,19 @@ def observations(
         If a column or a position is missing, a position stands twice, readings are NaN, samples are lost, a channel is
         clipped or frozen, or the vertical axis of a position is another one than its label says. The message names the
         position and the channel.
+    TypeError
+        If a channel or the labels are of the wrong kind, or an argument is.
 
     Warns
     -----
     UserWarning
         If an accelerometer reads less with its axis up than down and `equivalents` do not say so: it points backwards,
         or all its positions were swapped, which readings cannot tell.
+        If `random` is given and a channel reads less than half or more than twice what `equivalents` says.
     """
+    checks.instance("schedule", schedule, Schedule)
+    checks.instance("laboratory", laboratory, Laboratory)
+    random = None if random is None else _both(random)
     pieces = _pieces(recording, schedule)
     for placement, piece in zip(schedule.placements, pieces, strict=True):
         _require_sound(placement, piece)
@@ -166,7 +177,10 @@ def observations(
         each = [mean_covariance(errors, start, start + counts * dt, dt) for errors in random]
         covariance = np.repeat(each, 3, axis=0) * scale[:, None, None] ** 2
     known = (np.diagonal(covariance, axis1=1, axis2=2) > 0).all()
-    return with_inputs(readings, schedule, laboratory, covariance if known else None)
+    observed = with_inputs(readings, schedule, laboratory, covariance if known else None)
+    if random is not None:
+        _warn_of_equivalents(readings, np.hstack([observed.omega_ib_b, observed.f_ib_b]), scale)
+    return observed
 
 
 def with_inputs(
@@ -209,11 +223,31 @@ def expected_inputs(schedule: Schedule, laboratory: Laboratory) -> tuple[NDArray
     return omega, force
 
 
+def _both(random: tuple[RandomErrors, RandomErrors]) -> tuple[RandomErrors, RandomErrors]:
+    """Random errors of gyros and accelerometers, checked."""
+    if isinstance(random, RandomErrors):
+        raise TypeError("`random` must be two RandomErrors, of gyros and of accelerometers, got one")
+    gyros, accelerometers = random
+    checks.instance("random[0]", gyros, RandomErrors)
+    checks.instance("random[1]", accelerometers, RandomErrors)
+    return gyros, accelerometers
+
+
 def _pieces(recording: "DataFrame", schedule: Schedule) -> list["DataFrame"]:
     """The part of a recording that belongs to each placement."""
     checks.columns(recording, (*IMU_COLUMNS, "position"), name="recording")
+    for name in IMU_COLUMNS:
+        if recording[name].dtype.kind not in "iuf":
+            raise TypeError(f"`recording[{name!r}]` must hold real numbers, got dtype {recording[name].dtype}")
+    if "time" in recording.columns:
+        raise ValueError("`recording` must have the time as index, got it as a column. `recording.set_index('time')`.")
     column = recording["position"].astype(object)
     labels = column.where(column.notna(), None).to_numpy()
+    if labels.size and all(label is None or isinstance(label, Real) for label in labels):
+        raise TypeError(
+            "`recording['position']` must hold labels as text, got numbers. Read a file with "
+            "`pd.read_csv(path, dtype={'position': str})`."
+        )
     changes = np.flatnonzero(labels[1:] != labels[:-1]) + 1
     runs: dict[str, list[tuple[int, int]]] = {}
     for start, stop in zip([0, *changes], [*changes, len(labels)], strict=True):
@@ -275,7 +309,8 @@ def _require_alive(schedule: Schedule, pieces: Sequence["DataFrame"]) -> None:
     for row, placement, columns in zip(steps, schedule.placements, values, strict=True):
         for channel in np.flatnonzero(noisy & (row == 1)):
             raise ValueError(
-                f"position {placement.label!r}: `{IMU_COLUMNS[channel]}` is frozen at {columns[0, channel]:.9g}"
+                f"position {placement.label!r}: `{IMU_COLUMNS[channel]}` is frozen at {columns[0, channel]:.9g} in all "
+                f"{len(columns)} samples: a dead channel, or one beyond its range"
             )
 
 
@@ -288,6 +323,23 @@ def _clipped_at(levels: NDArray[np.float64], counts: NDArray[np.int_]) -> float 
         if counts[edge] > max(CLIPPED_SHARE * counts.sum(), EDGE_OVER_NEXT * counts[beside] + chance):
             return levels[edge]
     return None
+
+
+def _warn_of_equivalents(
+    readings: NDArray[np.float64], inputs: NDArray[np.float64], scale: NDArray[np.float64]
+) -> None:
+    """``UserWarning`` if the readings per unit of input are not those given, where the inputs are large enough."""
+    for name, reading, along, given in zip(IMU_COLUMNS, readings.T, inputs.T, scale, strict=True):
+        along = along - along.mean()
+        if np.abs(along).max() < (LARGE_RATE if name in GYRO_COLUMNS else LARGE_FORCE):
+            continue
+        found = float(along @ reading / (along @ along))
+        if not 0.5 * abs(given) < abs(found) < 2 * abs(given):
+            warnings.warn(
+                f"`equivalents` has {given:.4g} for `{name}`, which reads some {found:.4g} per unit of input: the "
+                "covariance from `random` is wrong by the square of their ratio",
+                stacklevel=3,
+            )
 
 
 def _scatter(placement: Placement, piece: "DataFrame") -> NDArray[np.float64]:

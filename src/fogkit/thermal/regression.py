@@ -146,6 +146,11 @@ def runs_of(tables: DataFrame | Sequence[DataFrame], name: str = "tables") -> li
         return [checks.columns(table, (), name=f"{name}[{i}]") for i, table in enumerate(tables)]
     if "run" in tables.index.names:
         return [run.droplevel("run") for _, run in tables.groupby(level="run", sort=False)]
+    if not (np.diff(tables.index.to_numpy(float)) > 0).all():
+        raise ValueError(
+            f"`{name}` must have an increasing index, time in s, or the index level 'run' if it holds several runs. "
+            "`pd.concat(runs, keys=range(len(runs)), names=['run'])` makes one table of several."
+        )
     return [tables]
 
 
@@ -155,7 +160,9 @@ def responses_of(runs: Sequence[DataFrame], response: str | Sequence[ArrayLike] 
         for i, run in enumerate(runs):
             checks.columns(run, [response], name=f"tables[{i}]")
         return [checks.finite_array(f"tables[{i}][{response!r}]", run[response]) for i, run in enumerate(runs)]
-    series = [response] if len(runs) == 1 and np.ndim(response[0]) == 0 else list(response)
+    series = list(response)
+    if len(runs) == 1 and series and np.ndim(series[0]) == 0:
+        series = [response]
     if len(series) != len(runs):
         raise ValueError(f"`response` must have one series for each of the {len(runs)} runs, got {len(series)}")
     values = [checks.finite_array(f"response[{i}]", one, ndim=1) for i, one in enumerate(series)]

@@ -178,6 +178,8 @@ def prune(
     Pruning
         Steps and the final fit.
     """
+    if isinstance(points, str):
+        raise TypeError(f"`points` must be a sequence of names, got the text {points!r}")
     model = points if isinstance(points, TemperatureModel) else several_points(points)
     if not model.points:
         raise ValueError("`points` must name at least one measuring point, got none")
@@ -199,7 +201,7 @@ def prune(
 
 
 def cross_validate(
-    models: Iterable[TemperatureModel] | Mapping[str, TemperatureModel],
+    models: TemperatureModel | Iterable[TemperatureModel] | Mapping[str, TemperatureModel],
     tables: DataFrame | Sequence[DataFrame],
     response: str | Sequence[ArrayLike] | ArrayLike = "bias",
     **options: object,
@@ -208,8 +210,8 @@ def cross_validate(
 
     Parameters
     ----------
-    models : iterable or mapping of TemperatureModel
-        Models; a mapping gives labels.
+    models : TemperatureModel, iterable or mapping of it
+        One model or several; a mapping gives labels.
     tables, response, **options
         As in `fogkit.thermal.regression.fit`.
 
@@ -241,11 +243,13 @@ def cross_validate(
     return pd.DataFrame(rows).T.rename_axis("model")
 
 
-def _labelled(models: Iterable[TemperatureModel] | Mapping[str, TemperatureModel]) -> Mapping[str, TemperatureModel]:
+def _labelled(
+    models: TemperatureModel | Iterable[TemperatureModel] | Mapping[str, TemperatureModel],
+) -> Mapping[str, TemperatureModel]:
     """Models by label."""
     if isinstance(models, Mapping):
         return models
-    models = list(models)
+    models = [models] if isinstance(models, TemperatureModel) else list(models)
     names = [model.name for model in models]
     if len(set(names)) < len(names):
         raise ValueError(f"`models` must have different names, got {names}. Give a mapping of labels to models")
