@@ -382,10 +382,7 @@ def installation_runs(seed: int = 1, runs: int = 8) -> list[InstallationRun]:
             recording = place.record(unit, sequence, rng, sample_rate=1.0)
             observed = replace(observations(recording, sequence, place), covariance=None)
             for counted in errors:
-                # without the Earth the model is wrong by its vertical rate, about one axis in three: only equal weights
-                # make that cancel in the differences, as in the half difference of the slides
-                blind = replace(rate_sequence.without_earth(observed, sequence), covariance=None)
-                used = observed if counted else blind
+                used = observed if counted else rate_sequence.without_earth(observed, sequence)
                 errors[counted].append(rate_sequence.installation(used, sequence, rate=rate).triad.misalignment - true)
         off = ~np.eye(3, dtype=bool)
         spreads = {key: float(np.sqrt(np.mean(np.square([e[off] for e in value])))) for key, value in errors.items()}
