@@ -8,6 +8,8 @@ from laboratories import EXACT, GYRO_PULSES, GYROS, LABORATORY, NOISY, WHITE, al
 from numpy.testing import assert_allclose, assert_array_equal
 
 from fogkit.calibration.rate_sequence import (
+    EastBias,
+    ScaleFactorFit,
     bias_from_east,
     fit_scale_factor,
     installation,
@@ -348,3 +350,18 @@ ONE_WAY = Schedule(SHORT.placements[:8])
 def test_errors_name_the_argument(make, message):
     with pytest.raises(ValueError, match=message):
         make()
+
+
+def test_results_go_to_text_and_back():
+    observed = measured(NOISY, SEQUENCE, random=WHITE)
+    fit = fit_scale_factor(observed, SEQUENCE, 1, terms=["cubic"])
+    again = ScaleFactorFit.from_json(fit.to_json())
+    assert (again.axis, again.terms, again.scale_factor) == (1, ("cubic",), fit.scale_factor)
+    assert_array_equal(again.residual, fit.residual)
+    assert again.coefficient("cubic") == fit.coefficient("cubic")
+    east = three_positions_east(duration=2.0)
+    bias = bias_from_east(measured(NOISY, east, random=WHITE), east, GYROS.scale_factor, LABORATORY)
+    assert_array_equal(EastBias.from_json(bias.to_json()).deviation, bias.deviation)
+    assert_array_equal(bias.to_frame().estimate, bias.bias)
+    with pytest.raises(ValueError, match="`text` must be that of a EastBias"):
+        EastBias.from_json(fit.to_json())

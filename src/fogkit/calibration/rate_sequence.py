@@ -5,6 +5,7 @@ against the rate is one least-squares problem: scale factor, intercept, and what
 constant. The other two gyros tell their installation errors, at the rates from which one chooses to take them.
 """
 
+import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -102,6 +103,24 @@ class ScaleFactorFit:
         columns = {"reading": self.reading, "residual": self.residual, "relative residual": relative}
         return pd.DataFrame(columns, index=pd.Index(self.rate, name="rate"))
 
+    def to_json(self) -> str:
+        """Text that `from_json` turns into an equal result."""
+        values = {"kind": type(self).__name__, "axis": self.axis, "terms": self.terms}
+        arrays = {"rate": self.rate.tolist(), "reading": self.reading.tolist()}
+        return json.dumps(values | arrays | {"solution": self.solution.to_json()})
+
+    @classmethod
+    def from_json(cls, text: str) -> "ScaleFactorFit":
+        """Result from the text of `to_json`; ``ValueError`` if that was of another kind."""
+        data = _of_kind(text, cls.__name__)
+        return cls(
+            axis=data["axis"],
+            rate=np.array(data["rate"]),
+            reading=np.array(data["reading"]),
+            terms=tuple(data["terms"]),
+            solution=Solution.from_json(data["solution"]),
+        )
+
     def _ratio(self, name: str) -> tuple[float, float]:
         """A parameter over the scale factor, with its standard deviation."""
         i = self.solution.index(name)
@@ -133,6 +152,27 @@ class EastBias:
     def deviation(self) -> NDArray[np.float64]:
         """Their standard deviations, shape (3,)."""
         return self.solution.standard_deviation
+
+    def to_frame(self) -> "DataFrame":
+        """Table with the columns `estimate` and `standard_deviation`, index `name`, in units of the reading."""
+        return self.solution.to_frame()
+
+    def to_json(self) -> str:
+        """Text that `from_json` turns into an equal result."""
+        return json.dumps({"kind": type(self).__name__, "solution": self.solution.to_json()})
+
+    @classmethod
+    def from_json(cls, text: str) -> "EastBias":
+        """Result from the text of `to_json`; ``ValueError`` if that was of another kind."""
+        return cls(solution=Solution.from_json(_of_kind(text, cls.__name__)["solution"]))
+
+
+def _of_kind(text: str, kind: str) -> dict:
+    """Contents of a text of `to_json`, if it is of a kind."""
+    data = json.loads(text)
+    if not isinstance(data, dict) or data.get("kind") != kind:
+        raise ValueError(f"`text` must be that of a {kind}, got {text[:60]!r}")
+    return data
 
 
 def fit_scale_factor(

@@ -14,5 +14,7 @@ module              answers
 
 from fogkit.imu.constructions import Construction
 from fogkit.imu.errors import MISALIGNMENTS, GyroTriad
+from fogkit.imu.triads import LinearTriad
+from fogkit.imu.unit import MeasurementUnit, Sensors, Shape
 
-__all__ = ["MISALIGNMENTS", "Construction", "GyroTriad"]
+__all__ = ["MISALIGNMENTS", "Construction", "GyroTriad", "LinearTriad", "MeasurementUnit", "Sensors", "Shape"]

@@ -13,7 +13,20 @@ module              answers
 """
 
 from fogkit.stand.bench import BenchRecord
+from fogkit.stand.laboratory import Laboratory
+from fogkit.stand.means import Observations, observations
+from fogkit.stand.placements import Placement, Schedule
 from fogkit.stand.plans import Plan, Segment
 from fogkit.stand.table import RateTable
 
-__all__ = ["BenchRecord", "Plan", "RateTable", "Segment"]
+__all__ = [
+    "BenchRecord",
+    "Laboratory",
+    "Observations",
+    "Placement",
+    "Plan",
+    "RateTable",
+    "Schedule",
+    "Segment",
+    "observations",
+]
