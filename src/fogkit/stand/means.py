@@ -144,7 +144,8 @@ def observations(
     ValueError
         If a column or a position is missing, a position stands twice, readings are NaN, samples are lost, a channel is
         clipped or frozen, or the vertical axis of a position is another one than its label says. The message names the
-        position and the channel.
+        position and the channel. A channel with a few different readings only, as one counted in pulses has at low
+        rates, is not called clipped: at the end of its range it cannot be told from a sound one.
     TypeError
         If a channel or the labels are of the wrong kind, or an argument is.
 
