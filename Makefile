@@ -37,7 +37,7 @@ figures: book
 	cp build/figures/fig-landing.png book/_static/
 
 test: lint
-	$(BIN)/python -m pytest --cov --cov-report=term
+	$(BIN)/python -m pytest --numprocesses=auto --dist=loadfile --cov --cov-report=term
 
 pages: $(ENVIRONMENT)
 	$(BIN)/python -m pytest tests/test_pages.py
