@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 
 from fogkit import checks
 from fogkit.estimation import Solution, linear
+from fogkit.imu.tables import IMU_COLUMNS
 from fogkit.imu.triads import AXES, LinearTriad
-from fogkit.stand.laboratory import IMU_COLUMNS
 from fogkit.stand.means import Observations
 from fogkit.stand.placements import Schedule
 
