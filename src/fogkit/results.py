@@ -2,7 +2,7 @@
 
 import json
 from dataclasses import asdict, fields
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
@@ -26,10 +26,15 @@ class Record:
     @classmethod
     def from_json(cls, text: str) -> Self:
         """Record from the text of `to_json`; ``ValueError`` if that was of another kind."""
-        data = json.loads(text)
-        if data.pop("kind", None) != cls.__name__:
-            raise ValueError(f"`text` must be that of a {cls.__name__}, got {text[:60]!r}")
-        return cls(**data)
+        return cls(**contents(text, cls.__name__))
+
+
+def contents(text: str, kind: str) -> dict[str, Any]:
+    """Fields of a record from its text, as `to_json` makes it; ``ValueError`` if that was of another kind."""
+    data = json.loads(text)
+    if not isinstance(data, dict) or data.pop("kind", None) != kind:
+        raise ValueError(f"`text` must be that of a {kind}, got {text[:60]!r}")
+    return data
 
 
 class FrozenArrays:

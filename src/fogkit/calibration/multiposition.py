@@ -22,6 +22,7 @@ from fogkit import checks
 from fogkit.estimation import Solution, linear
 from fogkit.imu.tables import IMU_COLUMNS
 from fogkit.imu.triads import AXES, LinearTriad
+from fogkit.results import contents
 from fogkit.stand.means import Observations
 from fogkit.stand.placements import Schedule
 
@@ -148,10 +149,7 @@ class LinearCalibration:
     @classmethod
     def from_json(cls, text: str) -> "LinearCalibration":
         """Result from the text of `to_json`; ``ValueError`` if that was of another kind."""
-        data = json.loads(text)
-        if not isinstance(data, dict) or data.get("kind") != cls.__name__:
-            raise ValueError(f"`text` must be that of a {cls.__name__}, got {text[:60]!r}")
-        return cls(solutions=tuple(map(Solution.from_json, data["solutions"])))
+        return cls(solutions=tuple(map(Solution.from_json, contents(text, cls.__name__)["solutions"])))
 
     def _index(self, sensor: int, term: str) -> list[int]:
         names = self.solutions[sensor].names

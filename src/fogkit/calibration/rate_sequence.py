@@ -18,6 +18,7 @@ from fogkit.calibration.multiposition import LinearCalibration, calibrate_gyros,
 from fogkit.estimation import Solution, linear
 from fogkit.imu.triads import AXES
 from fogkit.noise.processes import RandomErrors
+from fogkit.results import contents
 from fogkit.stand.laboratory import Laboratory
 from fogkit.stand.means import Observations
 from fogkit.stand.placements import Placement, Schedule
@@ -112,7 +113,7 @@ class ScaleFactorFit:
     @classmethod
     def from_json(cls, text: str) -> "ScaleFactorFit":
         """Result from the text of `to_json`; ``ValueError`` if that was of another kind."""
-        data = _of_kind(text, cls.__name__)
+        data = contents(text, cls.__name__)
         return cls(
             axis=data["axis"],
             rate=np.array(data["rate"]),
@@ -164,15 +165,7 @@ class EastBias:
     @classmethod
     def from_json(cls, text: str) -> "EastBias":
         """Result from the text of `to_json`; ``ValueError`` if that was of another kind."""
-        return cls(solution=Solution.from_json(_of_kind(text, cls.__name__)["solution"]))
-
-
-def _of_kind(text: str, kind: str) -> dict:
-    """Contents of a text of `to_json`, if it is of a kind."""
-    data = json.loads(text)
-    if not isinstance(data, dict) or data.get("kind") != kind:
-        raise ValueError(f"`text` must be that of a {kind}, got {text[:60]!r}")
-    return data
+        return cls(solution=Solution.from_json(contents(text, cls.__name__)["solution"]))
 
 
 def fit_scale_factor(

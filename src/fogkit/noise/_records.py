@@ -10,7 +10,7 @@ from typing import Any, Self
 import numpy as np
 
 from fogkit.noise.processes import RandomErrors
-from fogkit.results import FrozenArrays
+from fogkit.results import FrozenArrays, contents
 
 
 class ArrayRecord(FrozenArrays):
@@ -24,10 +24,7 @@ class ArrayRecord(FrozenArrays):
     @classmethod
     def from_json(cls, text: str) -> Self:
         """Record from the text of `to_json`; ``ValueError`` if that was of another kind."""
-        data = json.loads(text)
-        if not isinstance(data, dict) or data.pop("kind", None) != cls.__name__:
-            raise ValueError(f"`text` must be that of a {cls.__name__}, got {text[:60]!r}")
-        return cls(**{name: _decoded(value) for name, value in data.items()})
+        return cls(**{name: _decoded(value) for name, value in contents(text, cls.__name__).items()})
 
 
 def _encoded(value: Any) -> Any:

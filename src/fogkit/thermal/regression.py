@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fogkit import checks
+from fogkit.results import contents
 from fogkit.thermal.models import TemperatureModel
 
 if TYPE_CHECKING:
@@ -132,9 +133,7 @@ class TemperatureFit:
     @classmethod
     def from_json(cls, text: str) -> TemperatureFit:
         """Fit from the text of `to_json`; ``ValueError`` if that was of another kind."""
-        data = json.loads(text)
-        if data.pop("kind", None) != "TemperatureFit":
-            raise ValueError(f"`text` must be that of a TemperatureFit, got {text[:60]!r}")
+        data = contents(text, "TemperatureFit")
         return cls(model=TemperatureModel.from_dict(data.pop("model")), **data)
 
 
