@@ -494,3 +494,13 @@ def test_swapped_gyros_are_doubted():
     with pytest.warns(UserWarning, match="hardly reads along [xy], .* but along [yx], .* channels swapped") as caught:
         calibrate_gyros(averaged(PLAN, swapped))
     assert [str(warning.message).split("`")[1] for warning in caught] == ["gyro_x", "gyro_y"]
+
+
+def test_a_difference_of_turns_is_that_of_their_pulses_over_the_time_of_both():
+    there, back = full_turns().placements[:2]
+    turns = Schedule([there, replace(back, rate=back.rate / 2, duration=2 * back.duration)])
+    observed = measured(EXACT, turns)
+    pulses = observed.readings * np.array([[there.duration], [2 * back.duration]])
+    difference = turn_differences(observed, turns)
+    assert_allclose(difference.readings[0], (pulses[0] - pulses[1]) / (3 * there.duration), rtol=1e-12)
+    assert difference.bias_share == pytest.approx([-1 / 3])

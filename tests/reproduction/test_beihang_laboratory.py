@@ -5,7 +5,7 @@ import pytest
 
 from fogkit.constants import EARTH_RATE
 from fogkit.reproduction.beihang import laboratory
-from fogkit.units import ARCMIN, DEG, DEG_PER_SECOND, MINUTE, PPM
+from fogkit.units import ARCMIN, ARCSEC, DEG, DEG_PER_SECOND, MINUTE, PPM
 
 LATITUDE = 40 * DEG
 NORTH, UP = EARTH_RATE * np.cos(LATITUDE), EARTH_RATE * np.sin(LATITUDE)
@@ -70,6 +70,21 @@ def test_one_turn_knows_neither_the_cubic_term_nor_the_angle_better():
     assert turn.at_full_rate == pytest.approx(expected, rel=1e-3)
     assert abs(shaped.at_full_rate) < 1 * PPM < abs(line.at_full_rate) < abs(turn.at_full_rate)
     assert max(line.noise, shaped.noise) < turn.noise
+
+
+def test_deviations_of_the_scale_factor_are_those_of_noise_angle_and_table():
+    turn, line, _ = laboratory.scale_factor_errors(
+        turn_rate=10 * DEG_PER_SECOND, turn_error=10 * ARCSEC, rate_error=5 * PPM
+    ).values()
+    noise = laboratory.GYRO_NOISE
+    in_turn = noise.allan_variance(36.0) / (10 * DEG_PER_SECOND) ** 2 + (10 * ARCSEC / (2 * np.pi)) ** 2
+    assert turn.noise == pytest.approx(np.sqrt(in_turn / 2), rel=1e-9)
+    sizes = np.array([0.1, 0.2, 0.5, 1, 3, 5, 8, 10, 20, 50, 80, 100, 150, 200]) * DEG_PER_SECOND
+    rates = np.concatenate([[0.0], sizes, -sizes])
+    weights = 1 / (noise.allan_variance(120.0) + (5 * PPM * rates) ** 2)
+    spread = rates - np.average(rates, weights=weights)
+    # the fit adds the Earth's vertical rate, the same to all, and estimates the scale factor to 1e-3 beforehand
+    assert line.noise == pytest.approx((weights * spread**2).sum() ** -0.5, rel=2e-3)
 
 
 def test_a_position_to_the_east_feels_azimuth_by_the_north_rate_and_level_by_the_vertical_one():
