@@ -204,7 +204,8 @@ def test_fit_of_the_simulated_gyro_is_near_the_truth():
     gyro = experiment.example_gyro()
     plan = experiment.start_ups() + experiment.warm_runs()
     tables = experiment.campaign(experiment.in_unit(), plan, rng=np.random.default_rng(9))
-    result = fit(models.steady_state(), tables)
-    assert result.condition < regression.CONDITION_LIMIT
+    with pytest.warns(UserWarning, match="condition number 6.*'temperature_coil_top'"):  # two faces of one coil
+        result = fit(models.steady_state(), tables)
+    assert result.condition > regression.CONDITION_LIMIT
     assert 0.004 < result.residual_deviation / DEG_PER_HOUR < 0.01  # noise of rows 0.006 deg/h, and thermometers
     assert_allclose(result.coefficient("rate_coil_top"), gyro.rate["coil_top"], rtol=0.05)

@@ -4,6 +4,10 @@ Ordinary least squares by statsmodels. Standard errors are those of independent 
 they allow for residuals that are correlated in time within a run (``"hac"``: Newey and West, summed run by run) or in
 any way within a run (``"cluster"``, for ten runs or more). None of them repairs an estimate that noisy thermometers
 have biased.
+
+References
+----------
+.. [1] D. A. Belsley, E. Kuh, R. E. Welsch, Regression Diagnostics, Wiley (1980): condition numbers of 30 and more.
 """
 
 from __future__ import annotations
@@ -24,10 +28,10 @@ from fogkit.thermal.models import TemperatureModel
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-CONDITION_LIMIT = 1000.0
-"""Condition number of the centred and scaled regressors above which `fit` warns: one combination of them is then known
-a thousand times worse than another. The usual limit of 30 would warn of every coil: its two faces differ by a few
-kelvin while both go through a hundred."""
+CONDITION_LIMIT = 30.0
+"""Condition number of the centred and scaled regressors above which `fit` warns, the usual limit [1]_. Two faces of a
+coil pass it: they differ by a few kelvin while both go through a hundred. Then the sum of their effects is known, and
+compensates, but the coefficients one by one are not."""
 
 COVARIANCES = ("ols", "hac", "cluster")
 _SINGULAR = 1e-11  # relative singular value below which regressors count as dependent: rounding of 1e-15 times 1e4 rows
