@@ -8,6 +8,7 @@ module              answers
 `bench`             three-axis table: what do gyros and table read while a plan is carried out?
 `placements`        plate and single-axis table: how does the unit lie, for how long, and how fast does it turn?
 `laboratory`        plate and single-axis table: what does the unit read, sample by sample?
+`turn_tests`        turntable: which dwells and turns show the errors of a unit in its own navigation?
 `means`             what is one mean reading for each placement, and is the recording fit for it?
 ==================  =====================================================================================
 """
@@ -18,6 +19,7 @@ from fogkit.stand.means import Observations, observations
 from fogkit.stand.placements import Placement, Schedule
 from fogkit.stand.plans import Plan, Segment
 from fogkit.stand.table import RateTable
+from fogkit.stand.turn_tests import TurnTest, nine_tests
 
 __all__ = [
     "BenchRecord",
@@ -28,5 +30,7 @@ __all__ = [
     "RateTable",
     "Schedule",
     "Segment",
+    "TurnTest",
+    "nine_tests",
     "observations",
 ]
