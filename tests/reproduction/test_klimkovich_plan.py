@@ -7,11 +7,12 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 from scipy.spatial.transform import Rotation
 
-from fogkit.reproduction.klimkovich import paper, plan_search, turn_model
+from fogkit.calibration.navigation_based import turn_model
+from fogkit.reproduction.klimkovich import paper, plan_search
 from fogkit.rotation import dcm_from_rotvec
 from fogkit.units import ARCSEC, DEG
 
-STATE = [turn_model.FULL_PARAMETERS.index(name) for name in paper.PARAMETERS]
+STATE = [turn_model.FULL_PARAMETERS.index(name) for name in turn_model.PARAMETERS]
 ROUNDING = 1e-12  # matrices of ones and of angles up to 35 rad, a few products deep
 DIFFERENCES = 1e-6  # central differences, `turn_model._STEP`
 

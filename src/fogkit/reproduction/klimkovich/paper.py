@@ -8,15 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from fogkit.calibration.navigation_based import turn_model
 from fogkit.units import ARCSEC, DEG, MINUTE
-
-PARAMETERS = (
-    *("m_a_13", "m_a_21", "m_a_32"),
-    *(f"m_g_{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)),
-    *("b_a_1", "b_a_2", "b_a_3"),
-)
-"""The state vector (13): errors of three elements of the accelerometer matrix, of the gyro matrix, row by row, and of
-the accelerometer biases. The first index is the sensor."""
 
 TESTS = 9
 TURNS = 5
@@ -103,7 +96,7 @@ def printed_matrix(gravity: float = 1.0) -> NDArray[np.float64]:
     gravity : float, optional
         m/s^2. With 1 the elements of misalignments and scale factors are multiples of gravity.
     """
-    H = np.zeros((2 * TESTS, len(PARAMETERS)))
+    H = np.zeros((2 * TESTS, len(turn_model.PARAMETERS)))
     for entry in MATRIX:
         H[entry.row, entry.column] = entry.value(gravity)
     return H

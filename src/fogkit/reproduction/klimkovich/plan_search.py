@@ -21,7 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogkit import checks
-from fogkit.reproduction.klimkovich import paper, turn_model
+from fogkit.calibration.navigation_based import turn_model
+from fogkit.reproduction.klimkovich import paper
 from fogkit.rotation import dcm_from_rotvec
 from fogkit.stand.placements import DIRECTIONS, attitude
 from fogkit.units import DEG
@@ -237,7 +238,7 @@ def measurement_matrix(plan: Iterable[Turn] | None = None, gravity: float = 1.0)
     Returns
     -------
     ndarray, shape (2 * tests, 15)
-        Two rows for each test, east and north; columns as in `fogkit.reproduction.klimkovich.paper.PARAMETERS`.
+        Two rows for each test, east and north; columns as in `fogkit.calibration.navigation_based.turn_model.PARAMETERS`.
     """
     return np.concatenate([turn.rows(gravity) for turn in (recovered_plan() if plan is None else plan)])
 

@@ -27,6 +27,14 @@ Array = NDArray[np.float64]
 MISALIGNED_WITH = (2, 0, 1)
 """The function q of (14), from 0: accelerometer i has an estimated misalignment with axis q(i)."""
 
+PARAMETERS = (
+    *("m_a_13", "m_a_21", "m_a_32"),
+    *(f"m_g_{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)),
+    *("b_a_1", "b_a_2", "b_a_3"),
+)
+"""The state vector (13) of [1]_: errors of three elements of the accelerometer matrix, of the gyro matrix, row by row,
+and of the accelerometer biases. The first index is the sensor."""
+
 FULL_PARAMETERS = (
     *(f"m_a_{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)),
     *(f"m_g_{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3)),
