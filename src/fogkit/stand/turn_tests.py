@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 AXES = ("x", "y", "z")
 DWELL = 10.0
 TURN_DURATION = 15.0
-"""Durations, s, of a dwell and of a turn in the nine tests: 35 s in all, as in the paper, which does not divide them."""
+"""Durations, s, of a dwell and of a turn in the nine tests: 35 s in all as in the paper, which does not divide them."""
 
 _NINE = (  # start: where x, y and z point; body axis; angle besides the whole turns, deg
     *(("ENU", "x", 90), ("EUS", "x", 180), ("EDN", "x", 90)),

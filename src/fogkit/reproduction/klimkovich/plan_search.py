@@ -238,7 +238,7 @@ def measurement_matrix(plan: Iterable[Turn] | None = None, gravity: float = 1.0)
     Returns
     -------
     ndarray, shape (2 * tests, 15)
-        Two rows for each test, east and north; columns as in `fogkit.calibration.navigation_based.turn_model.PARAMETERS`.
+        Two rows for each test, east and north; columns as in `turn_model.PARAMETERS`.
     """
     return np.concatenate([turn.rows(gravity) for turn in (recovered_plan() if plan is None else plan)])
 
