@@ -15,6 +15,7 @@ FIRST = (1.0, -1.0 / 6, 1.0 / 120, -1.0 / 5040, 1.0 / 362880, -1.0 / 39916800, 1
 SECOND = (1.0 / 2, -1.0 / 24, 1.0 / 720, -1.0 / 40320, 1.0 / 3628800, -1.0 / 479001600)
 THIRD = (1.0 / 6, -1.0 / 120, 1.0 / 5040, -1.0 / 362880, 1.0 / 39916800, -1.0 / 6227020800)
 SECOND_SLOPE = (-1.0 / 24, 2.0 / 720, -3.0 / 40320, 4.0 / 3628800, -5.0 / 479001600)
+SILENT = 50.0  # decay, as a natural logarithm, after which nothing is left of what rings: 2e-22
 THIRD_SLOPE = (-1.0 / 120, 2.0 / 5040, -3.0 / 362880, 4.0 / 39916800, -5.0 / 6227020800)
 
 
@@ -120,11 +121,12 @@ def _coordinates(t, wobble, starts, angles, lags, decay, frequency):
         for j in range(6, -1, -1):
             lag_rate = lag_rate * tau + lag
             lag = lag * tau + lags[piece, j]
-        a, b = lags[piece, 7], lags[piece, 8]
-        fade = math.exp(-decay * tau)
-        sine, cosine = fade * math.sin(frequency * tau), fade * math.cos(frequency * tau)
-        lag += a * cosine + b * sine
-        lag_rate += (b * frequency - decay * a) * cosine - (a * frequency + decay * b) * sine
+        if decay * tau < SILENT:
+            a, b = lags[piece, 7], lags[piece, 8]
+            fade = math.exp(-decay * tau)
+            sine, cosine = fade * math.sin(frequency * tau), fade * math.cos(frequency * tau)
+            lag += a * cosine + b * sine
+            lag_rate += (b * frequency - decay * a) * cosine - (a * frequency + decay * b) * sine
     return phi, rate, acceleration, s, c, wx, wy, wz, dx, dy, dz, ex, ey, ez, lag, lag_rate
 
 
