@@ -92,7 +92,8 @@ def slope_covariance(
     noise : SensorNoise
         Random errors of the sensors.
     degree : int, optional
-        Degree of the polynomials, 1 or 2. The slope of the second degree is taken where the turn begins and ends.
+        Degree of the polynomials, 1 or 2. The slopes of the second degree are both taken in the middle of the turn, as
+        in `fogkit.calibration.navigation_based.slopes`.
     gravity : float, optional
         m/s^2.
     C_b_n : array_like, shape (n, 3, 3), optional
@@ -132,7 +133,13 @@ def slope_covariance(
 
 
 def plan_covariance(
-    plan: Sequence[TurnTest], dt: float, noise: SensorNoise, *, degree: int = 1, gravity: float = STANDARD_GRAVITY
+    plan: Sequence[TurnTest],
+    dt: float,
+    noise: SensorNoise,
+    *,
+    degree: int = 1,
+    gravity: float = STANDARD_GRAVITY,
+    scale_factors: bool = False,
 ) -> Array:
     """Covariance of the measurements (6), (7) of [1]_: differences of the level slopes of each test.
 
@@ -142,13 +149,16 @@ def plan_covariance(
         Tests, in the order of the rows.
     dt, noise, degree, gravity
         As in `slope_covariance`.
+    scale_factors : bool, optional
+        Whether the vertical slopes follow, which say the scale factors of accelerometers.
 
     Returns
     -------
-    ndarray, shape (2 n, 2 n)
-        East and north of each test, (m/s^2)^2; nothing is common to two tests.
+    ndarray, shape (2 n, 2 n) or (4 n, 4 n)
+        East and north of each test, (m/s^2)^2; then up in both dwells of each. Nothing is common to two tests. It is
+        what `fogkit.calibration.navigation_based.calibrate` takes for `noise`.
     """
-    return _measurements(plan, dt, noise, degree, gravity, False)[1]
+    return _measurements(plan, dt, noise, degree, gravity, scale_factors)[1]
 
 
 def design(test: TurnTest, *, gravity: float = STANDARD_GRAVITY, scale_factors: bool = False) -> Array:
@@ -293,16 +303,22 @@ def stated_and_true(
 def _both_slopes(steps: Steps, degree: int) -> Array:
     """Weights of the slopes in both dwells, as `velocity_noise.covariance` takes them, shape (2, count + 2)."""
     weights = np.zeros((2, steps.count + 2))
-    first, last = steps.turn_begin + 1, steps.count - steps.turn_end + 1
-    weights[0, :first] = slope_weights(first, steps.dt, degree, at=steps.turn_begin * steps.dt)
-    weights[1, -last:] = slope_weights(last, steps.dt, degree, at=0.0)
+    middle = (steps.turn_begin + steps.turn_end) / 2
+    for row, (begin, count, node) in zip(weights, _samples(steps), strict=True):
+        row[begin : begin + count] = slope_weights(count, steps.dt, degree, at=(middle - node) * steps.dt)
     return weights
+
+
+def _samples(steps: Steps) -> tuple[tuple[int, int, int], tuple[int, int, int]]:
+    """Of both dwells: place of the first weight, samples, steps before the first one; the node set to zero is left out."""
+    last = steps.count - steps.turn_end
+    return (1, steps.turn_begin, 1), (steps.count + 2 - last, last, steps.turn_end + 1)
 
 
 def _measurements(
     plan: Sequence[TurnTest], dt: float, noise: SensorNoise, degree: int, gravity: float, scale_factors: bool
 ) -> tuple[Array, Array]:
-    """Design and covariance of the measurements of all tests."""
+    """Design and covariance of the measurements of all tests: level differences of all, then vertical slopes of all."""
     from scipy.linalg import block_diag  # loaded where used
 
     checks.instance("noise", noise, SensorNoise)
@@ -313,21 +329,21 @@ def _measurements(
     take[[0, 0, 1, 1, 2, 3], [0, 3, 1, 4, 2, 5]] = (-1, 1, -1, 1, 1, 1)
     take = take[: 4 if scale_factors else 2]
     blocks = [take @ slope_covariance(test, dt, noise, degree=degree, gravity=gravity) @ take.T for test in plan]
-    rows = [design(test, gravity=gravity, scale_factors=scale_factors) for test in plan]
-    return np.concatenate(rows), block_diag(*blocks)
+    rows = np.concatenate([design(test, gravity=gravity, scale_factors=scale_factors) for test in plan])
+    order = np.arange(len(rows)).reshape(len(plan), -1, 2).swapaxes(0, 1).ravel()
+    return rows[order], block_diag(*blocks)[np.ix_(order, order)]
 
 
 def _spread(steps: Steps) -> Array:
     """Sum of the squared distances from their mean of the times in either dwell, s^2: ``k (<tau^2> - <tau>^2)``."""
-    counts = np.array([steps.turn_begin + 1, steps.count - steps.turn_end + 1])
+    counts = np.array([count for _, count, _ in _samples(steps)])
     return steps.dt**2 * counts * (counts**2 - 1) / 12
 
 
 def _residual_deviation(steps: Steps, noise: SensorNoise, gravity: float) -> Array:
     """Expected S of (24), m/s, in both dwells, east and north: shape (2, 2)."""
-    first, last = steps.turn_begin + 1, steps.count - steps.turn_end + 1
     result = np.zeros((2, 2))
-    for dwell, (count, begin) in enumerate(((first, 0), (last, steps.count + 2 - last))):
+    for dwell, (begin, count, _) in enumerate(_samples(steps)):
         x = np.arange(count) - (count - 1) / 2
         chosen = np.unique(np.linspace(0, count - 1, min(count, _SAMPLES)).round().astype(int))
         weights = np.zeros((chosen.size, steps.count + 2))
