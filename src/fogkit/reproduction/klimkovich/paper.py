@@ -129,6 +129,9 @@ TABLE_2 = {  # deg: set azimuth, and what the system finds less than it
     270: 0.00709,
     315: -0.01071,
 }
+TABLE_2_COLUMNS = ("number", "set azimuth", "difference")
+"""Headings of table 2."""
+
 TABLE_2_DEVIATION = 0.0118
 """Azimuths by gyrocompassing, deg: set angle to set less found; the printed standard deviation."""
 
