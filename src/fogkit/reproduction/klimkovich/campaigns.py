@@ -129,11 +129,11 @@ def noise_run(seed: int, case: str, plan: str, weights: str) -> dict[str, float 
 
 
 def noise_runs(
-    seeds: Iterable[int] = range(300), *, executor: Executor | None = None, progress: bool | str = False
+    seeds: Iterable[int] = range(600), *, executor: Executor | None = None, progress: bool | str = False
 ) -> "DataFrame":
     """All runs: white noise with the paper's weights, random walks with either, and the better plan.
 
-    ``noise_runs().to_csv("data/derived/klimkovich_noise_runs.csv", index=False, float_format="%.6f")`` takes a few
+    ``noise_runs().to_csv("data/derived/klimkovich_noise_runs.csv", index=False, float_format="%.6f")`` takes some
     minutes on two cores and writes the stored table.
 
     Parameters
