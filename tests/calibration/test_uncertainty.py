@@ -7,7 +7,7 @@ import pytest
 import sympy
 from numpy.testing import assert_allclose
 
-from fogkit.calibration import uncertainty
+from fogkit.calibration import uncertainty, velocity_noise
 from fogkit.calibration.navigation_based import turn_model
 from fogkit.calibration.uncertainty import plan_covariance, predict, slope_covariance, stated_and_true
 from fogkit.calibration.velocity_noise import SensorNoise, Steps
@@ -159,6 +159,20 @@ def test_plain_sums_of_drawn_increments(degree):
     velocity[:, steps.turn_end + 1 :] -= velocity[:, steps.turn_end, None]
     samples = fitted_slopes(velocity, steps, degree)
     assert_covariance_of(samples, slope_covariance(TEST, STEP, MIXED, degree=degree))
+
+
+def test_velocity_carried_through_the_turn():
+    steps = Steps.of(TEST, STEP)
+    runs = 4000
+    gyros, accelerometers = drawn_increments(MIXED, steps, runs, np.random.default_rng(24))
+    turned = np.einsum("kij,rkj->rki", steps.C_b_n, gyros)
+    gained = np.einsum("kij,rkj->rki", steps.C_b_n, accelerometers)
+    gained += STANDARD_GRAVITY * STEP * np.cross(np.cumsum(turned, axis=1) - turned / 2, [0, 0, 1])
+    velocity = np.concatenate([np.zeros((runs, 1, 3)), np.cumsum(gained, axis=1)], axis=1)
+    weights = np.zeros((2, steps.count + 1))
+    weights[0, -1], weights[1, steps.turn_begin] = 1, 1  # at the end, and where the turn begins
+    samples = velocity[:, [steps.count, steps.turn_begin]].reshape(runs, -1)
+    assert_covariance_of(samples, velocity_noise.covariance(weights, steps, MIXED, STANDARD_GRAVITY))
 
 
 @pytest.mark.parametrize("degree", [1, 2])

@@ -310,7 +310,7 @@ def _both_slopes(steps: Steps, degree: int) -> Array:
 
 
 def _samples(steps: Steps) -> tuple[tuple[int, int, int], tuple[int, int, int]]:
-    """Of both dwells: place of the first weight, samples, steps before the first one; the node set to zero is left out."""
+    """Of both dwells: place of the first weight, samples, steps before the first; nodes set to zero are left out."""
     last = steps.count - steps.turn_end
     return (1, steps.turn_begin, 1), (steps.count + 2 - last, last, steps.turn_end + 1)
 

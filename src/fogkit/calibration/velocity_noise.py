@@ -122,9 +122,10 @@ def covariance(weights: ArrayLike, steps: Steps, noise: SensorNoise, gravity: fl
 
     Parameters
     ----------
-    weights : array_like, shape (m, count + 2)
+    weights : array_like, shape (m, count + 2) or (m, count + 1)
         Weights of the velocity after 0, 1, ... steps: first those up to the end of the turn, ``turn_end + 1`` of
-        them; then those from there on, where the velocity begins anew from 0, ``count - turn_end + 1``.
+        them; then those from there on, where the velocity begins anew from 0, ``count - turn_end + 1``. Or, one less,
+        those of a velocity that is carried on through the turn.
     steps : Steps
         Steps and attitudes.
     noise : SensorNoise
@@ -158,8 +159,9 @@ def _with_pulses(sensors) -> tuple[RandomErrors, ...]:
 
 def _influence(weights: Array, steps: Steps, gravity: float) -> tuple[Array, Array]:
     """With what an error of the velocity and of the angle of each step counts, shape (m, count) each."""
-    before, after = np.split(weights, [steps.turn_end + 1], axis=-1)
-    velocity = np.concatenate([_sum_after(before)[:, :-1], _sum_after(after)[:, :-1]], axis=-1)
+    reset = [steps.turn_end + 1] if weights.shape[-1] == steps.count + 2 else []
+    parts = np.split(weights, reset, axis=-1)
+    velocity = np.concatenate([_sum_after(part)[:, :-1] for part in parts], axis=-1)
     return velocity, gravity * steps.dt * (_sum_after(velocity) + velocity / 2)
 
 

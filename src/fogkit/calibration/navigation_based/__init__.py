@@ -15,6 +15,7 @@ module              answers
 `matrix`            how do the changes of slope follow from the errors: by rotations, plan, or trial?
 `iteration`         which parameters make the changes of slope vanish?
 `results`           the record that comes back
+`batch`             what do the fifteen parameters leave out? 59 states from the same recordings
 ==================  =====================================================================================
 """
 
