@@ -149,11 +149,12 @@ class Laboratory:
         Raises
         ------
         ValueError
-            If a placement is shorter than two samples.
+            If a placement is shorter than two samples, or the unit has delays or a size effect.
         """
         import pandas as pd
 
         checks.instance("unit", unit, MeasurementUnit)
+        unit.require_point("a recording on a plate")
         checks.instance("schedule", schedule, Schedule)
         dt = 1 / checks.positive("sample_rate", sample_rate, "Hz")
         checks.generator("rng", rng)
