@@ -52,7 +52,7 @@ weights (24) would be ratios of rounding errors."""
 LARGEST_ERROR = 0.2
 """Element of a correction summed over all steps at which the iteration has lost its way."""
 
-_GROWTH = 3.0  # rms of the changes of slope, of the smallest so far, that is no fluctuation
+_GROWTH = 10.0  # rms of the changes of slope, of the smallest so far, that is no fluctuation
 _SETTLED = 1e-2  # correction in standard deviations that changes no conclusion
 _STILL = {"m": 1e-9, "b": 1e-8}  # corrections of 0.0002 arcsec and 0.001 ppm of g, where the deviation is rounding
 
@@ -240,6 +240,7 @@ def _iterate(
         if converged and tolerance:
             break
     if not converged:
+        _require_progress(log)
         warnings.warn(
             f"the last of {len(log)} corrections is {largest:.2g} standard deviations: more `iterations` would change "
             "the result",
@@ -330,6 +331,16 @@ def _require_no_growth(number: int, processed: Processed, smallest: float, gravi
             "angle of the turns), the matrix or the plan another one, or a recording not of its test."
         )
     return min(rms, smallest)
+
+
+def _require_progress(log: list[dict[str, float]]) -> None:
+    """``RuntimeError`` if several iterations have brought next to nothing."""
+    first, last = log[0]["rms_z"], log[-1]["rms_z"]
+    if len(log) >= 4 and last > 0.5 * first:
+        raise RuntimeError(
+            f"the calibration does not converge: in iteration {len(log)} the rms of the changes of slope is {last:.3g} "
+            f"m/s^2, after {first:.3g} m/s^2 in the first. Is the measurement matrix that of the tests?"
+        )
 
 
 def _require_near(number: int, compensation: Compensation, start: Compensation) -> None:

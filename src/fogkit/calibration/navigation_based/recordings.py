@@ -175,7 +175,7 @@ def _planned(test: TurnTest, dt: float, count: int, name: str) -> tuple[tuple[in
     """Steps of the dwells of the plan; ``ValueError`` if the recording is not as long as its test."""
     if abs(count * dt - test.duration) > max(2 * dt, 1e-6 * test.duration):
         (_, first), (second, end) = test.dwells
-        missing = "" if count * dt > second else f" The second dwell, from {second:g} to {end:g} s, is missing."
+        missing = "" if count * dt > second + dt else f" The second dwell, from {second:g} to {end:g} s, is missing."
         missing = missing or (f" The second dwell, to {end:g} s, is cut short." if count * dt < end else "")
         raise ValueError(
             f"`{name}` must be as long as its test, {test.duration:g} s, got {count * dt:.6g} s.{missing} A plan with "
