@@ -14,6 +14,7 @@ References
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -71,10 +72,20 @@ class Problem:
     scale_factor: str
     covariance: Array | None
 
-    @property
+    @cached_property
     def g(self) -> float:
         """Magnitude of gravity, m/s^2."""
         return float(np.linalg.norm(self.gravity))
+
+    @cached_property
+    def upended(self) -> dict[str, list[int]]:
+        """Tests by which (26) gives each accelerometer scale factor."""
+        return upended(self.plan)
+
+    @cached_property
+    def model(self) -> Array:
+        """Measurement matrix of the plan."""
+        return model_matrix(self.plan, self.g)
 
 
 def calibrate(
@@ -268,7 +279,7 @@ def _estimate(problem: Problem, processed: Processed) -> tuple[Solution, dict[st
     """Solution (25) with (27), scale factors (26) if they are not in it, and the standard deviations of these."""
     H = problem.matrix
     if isinstance(H, str):
-        H = actual_matrix(processed, problem.g) if H == "actual" else model_matrix(problem.plan, problem.g)
+        H = actual_matrix(processed, problem.g) if H == "actual" else problem.model
     if problem.scale_factor == "pairs":
         solution = _solve(problem, H, processed.change, processed.change_variance, PARAMETERS)
         return solution, *_pairs(problem, processed)
@@ -288,7 +299,7 @@ def _solve(problem: Problem, H: Array, Z: Array, variance: Array, names: tuple[s
 def _pairs(problem: Problem, processed: Processed) -> tuple[dict[str, float], Array]:
     """Accelerometer scale factors (26), the mean over all tests that turn an axis upside down."""
     found, deviations = {}, []
-    for name, tests in upended(problem.plan).items():
+    for name, tests in problem.upended.items():
         sums = processed.slopes[tests, :, 2].sum(axis=1) / (2 * problem.g)
         found[name] = float(sums.mean())
         deviations.append(np.sqrt(processed.variances[tests, :, 2].sum()) / (2 * problem.g * len(tests)))
