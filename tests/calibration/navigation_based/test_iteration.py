@@ -197,3 +197,11 @@ def test_bad_arguments(case, change, words):
     arguments = {"latitude": case.latitude} | change
     with pytest.raises(ValueError, match=words):
         calibrate(case.recordings, case.plan, **arguments)
+
+
+def test_no_result_where_the_end_is_not_in_sight(case):
+    # steps a fifth of what they should be, from scale factors of gyros 1 % off
+    H = 5 * model_matrix(case.plan, 9.81)
+    stretched = Compensation(gyro_matrix=1.01 * np.eye(3))
+    with pytest.raises(RuntimeError, match="does not converge: the correction of iteration 4 still turns"):
+        calibrate(case.recordings, case.plan, case.latitude, matrix=H, start=stretched, iterations=4)

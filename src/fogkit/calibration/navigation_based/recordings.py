@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogkit import checks
+from fogkit.imu.tables import IMU_COLUMNS
 from fogkit.navigation.increments import time_step, values
 from fogkit.stand.turn_tests import TurnTest
 from fogkit.units import DEG
@@ -153,7 +154,9 @@ def _moving(gyro: Array, dt: float) -> tuple[NDArray[np.bool_], int]:
 
 
 def _recording(table: "DataFrame", test: TurnTest, name: str, settle: float, dwells: str) -> Recording:
-    sums = values(table, name=name)
+    checks.columns(table, IMU_COLUMNS, name=name)
+    in_order = tuple(table.columns) == IMU_COLUMNS  # to select columns takes longer than to navigate them
+    sums = checks.finite_array(name, table.to_numpy()) if in_order else values(table, name=name)
     begin, dt = time_step(table, name=name)
     if abs(begin) > 0.5 * dt:
         raise ValueError(f"`{name}` must begin at 0 s, got {begin:.6g} s. Subtract the time at which the test begins.")
