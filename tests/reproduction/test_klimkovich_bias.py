@@ -84,7 +84,7 @@ def test_the_staying_table_goes_on_from_where_it_stopped():
     motions = remedies.StayingTrial(roughness=3.0).motions
     for i in range(9):
         gap = np.abs(motions[i].C_b_n(0.0) - motions[i - 1].C_b_n(motions[i - 1].duration)).max()
-        assert gap < 1e-12 if i % 3 else gap > 1e-4
+        assert gap < 1e-9 if i % 3 else gap > 1e-2  # the sag depends on the attitude: a fixed point, eight steps
 
 
 def test_a_carried_heading_serves_only_where_the_unit_stays():
