@@ -38,7 +38,7 @@ def compensate(
 def project(
     quaternion,  # attitude at the nodes, scalar last, shape (tests, n + 1, 4)
     dtheta,  # compensated increments, rad, shape (tests, n, 3)
-    first,  # first step of the sum of each test, shape (tests,)
+    first,  # first step of the sum
     last,  # step after the last
     out,  # element i, k, j: sum of C_ik dtheta_j, rad, shape (tests, 3, 3, 3)
 ):
@@ -46,7 +46,7 @@ def project(
     out[:] = 0.0
     for test in range(dtheta.shape[0]):
         total = out[test]
-        for p in range(first[test], last[test]):
+        for p in range(first, last):
             # the kernel of the navigation keeps the sign of the quaternion, so the mean is the middle of the arc
             x = quaternion[test, p, 0] + quaternion[test, p + 1, 0]
             y = quaternion[test, p, 1] + quaternion[test, p + 1, 1]

@@ -1,6 +1,6 @@
 """Calibration: navigate all tests, estimate the errors from the changes of slope, subtract them, and again.
 
-Each pass is a step of Gauss and Newton's method on the changes of slope, and its fixed point, where they vanish, does not
+Each pass is a step of Gauss and Newton's method on the changes of slope. Its fixed point, where they vanish, does not
 depend on the measurement matrix; how fast it is reached does. A gyro scale factor that is wrong by 1e-3 turns the
 attitude by 0.03 rad in five turns, and (10) is linear: far from the solution the steps are shortened until none of them
 turns an attitude at the end of a test by more than `LARGEST_TILT`.
@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 LARGEST_TILT = 0.3
-"""Largest change, rad, that one step may make to the attitude after a turn: the sine departs from the angle by 1.5 %."""
+"""Largest change, rad, that one step may make to the attitude after a turn: sine and angle differ by 1.5 %."""
 
 SMALLEST_DEVIATION = 1e-10
 """Standard deviation of a slope, m/s^2, below which the scatter about the line is rounding: 1e-11 g. Without noise the
@@ -115,8 +115,8 @@ def calibrate(
     matrix : {"actual", "model"} or array_like, shape (2 * tests, 15), optional
         Measurement matrix: (14)-(19) from the recorded rotations; the plan's; or any, in m/s^2, as the printed one.
     initial_attitude : {"model", "levelled", "carried"} or array_like, shape (tests, 3, 3), optional
-        Attitude at the start of each test: the plan's; that turned level by the accelerometers' mean in the first dwell;
-        the same with the heading of the test before where the plan goes on from it; or known attitudes.
+        Attitude at the start of each test: the plan's; that turned level by the accelerometers in the first dwell; the
+        same with the heading of the test before where the plan goes on from it; or known attitudes.
     azimuth : float, optional
         Angle, rad, clockwise seen from above, by which the table stands turned from what the plan says.
     degree : {1, 2}, optional

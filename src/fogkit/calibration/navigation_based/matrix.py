@@ -1,4 +1,4 @@
-"""Measurement matrix: how the changes of slope follow from the errors, by actual rotations, by the plan, or by trial."""
+"""Measurement matrix: how the changes of slope follow from the errors, by rotations, by the plan, or by trial."""
 
 from collections.abc import Sequence
 

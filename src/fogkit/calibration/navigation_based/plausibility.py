@@ -49,8 +49,8 @@ def check(recordings: Sequence[Recording], start: Compensation, gravity: float) 
     Raises
     ------
     ValueError
-        For wrong units (1 g check, angle of the turn), a dwell in motion, a start or an end on another face than planned
-        (with the test that would fit), another turn, or saturation. The message names the test and, for a dwell, which.
+        For wrong units (1 g check, angle of the turn), a dwell in motion, a start or an end on another face than
+        planned (with the test that would fit), another turn, or saturation. The message names test and dwell.
 
     Warns
     -----
@@ -139,8 +139,8 @@ def _saturation(recording: Recording, name: str) -> None:
         short = i < 3 and abs(recording.turned[i]) < (1 - SHORTFALL) * abs(planned)
         if noisy or short:
             raise ValueError(
-                f"`{name}` must not be saturated, got {run} equal readings of {extreme:.6g} in a row in {column!r} from "
-                f"{begin * recording.dt:.6g} s, its largest. Turn more slowly."
+                f"`{name}` must not be saturated, got {run} equal readings of {extreme:.6g} in a row in {column!r} "
+                f"from {begin * recording.dt:.6g} s, its largest. Turn more slowly."
             )
 
 
@@ -148,6 +148,8 @@ def _longest_run_at_extreme(values: Array) -> tuple[int, int, float]:
     """Longest run of equal readings that are the largest or the smallest of all; its length, beginning and value."""
     best = (0, 0, 0.0)
     for extreme in (values.max(), values.min()):
+        if np.count_nonzero(values == extreme) < SATURATED_RUN:
+            continue
         at = np.flatnonzero(np.diff(np.concatenate([[False], values == extreme, [False]]).astype(np.int8)))
         lengths = at[1::2] - at[::2]
         longest = int(np.argmax(lengths))

@@ -4,6 +4,7 @@ import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -103,8 +104,7 @@ class Processing:
         planned = np.stack([recording.test.C_b_n for recording in recordings])
         self.nominal = dcm_from_rotvec([0, 0, -azimuth]) @ planned if isinstance(starts, str) else starts
         self._before = _predecessors(self.recordings) if isinstance(starts, str) and starts == "carried" else {}
-        self._batches = _batches(self.recordings, self._before)
-        self._fits = [_fits(recording, degree) for recording in recordings]
+        self._batches = _batches(self.recordings, self._before, degree)
 
     def run(self, compensation: Compensation, starts: Array | None = None) -> Processed:
         """Navigate all tests; with `starts`, shape (tests, 3, 3), from those attitudes."""
@@ -122,8 +122,7 @@ class Processing:
         for stage in self._batches:
             for test in (test for batch in stage for test in batch.tests):
                 found.starts[test] = self._start(test, found) if starts is None else starts[test]
-            steps = sum(batch.gyro.shape[0] * batch.gyro.shape[1] for batch in stage)
-            if len(stage) > 1 and steps >= _WORTH_THREADS:
+            if len(stage) > 1 and sum(batch.gyro.size for batch in stage) >= 3 * _WORTH_THREADS:
                 with ThreadPoolExecutor(os.cpu_count()) as pool:
                     list(pool.map(lambda batch: self._navigate(batch, compensation, found), stage))
             else:
@@ -149,21 +148,19 @@ class Processing:
             State(C_b_n=orthonormalise(found.starts[tests]), **self._place),
             gravity=self._gravity,
             corrections=self._corrections,
-            velocity_reset=batch.turns[:, 1:] * batch.dt,
+            velocity_reset=[batch.dwells[1][0] * batch.dt],
             position_fixed=True,
         )
         projections = np.empty((len(tests), 3, 3, 3))
-        _kernels.project(trajectory.quaternion, gyro, *batch.turns.T, projections)
+        stop, begin = batch.dwells[0][1], batch.dwells[1][0]
+        _kernels.project(trajectory.quaternion, gyro, stop, begin, projections)
         found.projections[tests] = projections
-        for i, test in enumerate(tests):
-            nodes = trajectory.quaternion[i, [*batch.turns[i], -1]]
-            *ends, found.ends[test] = Rotation.from_quat(nodes).as_matrix()
-            found.attitudes[test] = ends
-            for dwell, ((first, last), fit) in enumerate(
-                zip(self.recordings[test].dwells, self._fits[test], strict=True)
-            ):
-                samples = trajectory.v_eb_n[i, first + 1 : last + 1]
-                found.slopes[test, dwell], found.variances[test, dwell] = fit(samples)
+        nodes = trajectory.quaternion[:, [stop, begin, -1]]
+        attitudes = Rotation.from_quat(nodes.reshape(-1, 4)).as_matrix().reshape(len(tests), 3, 3, 3)
+        found.attitudes[tests], found.ends[tests] = attitudes[:, :2], attitudes[:, 2]
+        for dwell, ((first, last), fit) in enumerate(zip(batch.dwells, batch.fits, strict=True)):
+            slopes = fit(trajectory.v_eb_n[:, first + 1 : last + 1])
+            found.slopes[tests, dwell], found.variances[tests, dwell] = slopes
 
 
 def gravity_vector(gravity: float | ArrayLike | None, latitude: float, altitude: float) -> Array:
@@ -202,28 +199,37 @@ def levelled(C_b_n: ArrayLike, force: ArrayLike, gravity: ArrayLike = (0.0, 0.0,
 
 @dataclass(frozen=True, eq=False)
 class _Batch:
-    """Tests with as many steps of the same duration, navigated in one call."""
+    """Tests of the same length, step and dwells, navigated in one call."""
 
     tests: tuple[int, ...]
     dt: float
     gyro: Array  # shape (tests, n, 3)
     accel: Array
-    turns: NDArray[np.int64]  # step at which the first dwell ends and at which the second begins, shape (tests, 2)
+    dwells: tuple[tuple[int, int], tuple[int, int]]
+    fits: tuple[SlopeFit, SlopeFit]
     scratch: tuple[Array, Array]  # compensated increments, written anew in each iteration
 
 
-def _batches(recordings: tuple[Recording, ...], before: dict[int, int]) -> list[list[_Batch]]:
+def _batches(recordings: tuple[Recording, ...], before: dict[int, int], degree: int) -> list[list[_Batch]]:
     """Stages one after the other; the batches of a stage may run side by side."""
     stage = [0] * len(recordings)
     for test in range(len(recordings)):
         stage[test] = stage[before[test]] + 1 if test in before else 0
-    stages = []
+    stages, fits = [], {}
     for level in range(max(stage) + 1):
-        kinds: dict[tuple[int, float], list[int]] = {}
+        kinds: dict[tuple, list[int]] = {}
         for test, recording in enumerate(recordings):
             if stage[test] == level:
-                kinds.setdefault((len(recording.gyro), recording.dt), []).append(test)
-        stages.append([_batch(recordings, part) for tests in kinds.values() for part in _parts(recordings, tests)])
+                kinds.setdefault((len(recording.gyro), recording.dt, recording.dwells), []).append(test)
+        for kind, tests in kinds.items():
+            fits.setdefault(kind[1:], _fits(recordings[tests[0]], degree))
+        stages.append(
+            [
+                _batch([recordings[test] for test in part], tuple(part), fits[kind[1:]])
+                for kind, tests in kinds.items()
+                for part in _parts(recordings, tests)
+            ]
+        )
     return stages
 
 
@@ -234,19 +240,17 @@ def _parts(recordings: tuple[Recording, ...], tests: list[int]) -> list[list[int
     return [tests[i::workers] for i in range(workers)]
 
 
-def _batch(recordings: tuple[Recording, ...], tests: list[int]) -> _Batch:
-    gyro = np.stack([recordings[test].gyro for test in tests])
-    accel = np.stack([recordings[test].accel for test in tests])
-    turns = np.array([[recordings[test].dwells[0][1], recordings[test].dwells[1][0]] for test in tests])
-    return _Batch(
-        tuple(tests), recordings[tests[0]].dt, gyro, accel, turns, (np.empty_like(gyro), np.empty_like(accel))
-    )
+def _batch(recordings: list[Recording], tests: tuple[int, ...], fits: tuple[SlopeFit, SlopeFit]) -> _Batch:
+    gyro = np.stack([recording.gyro for recording in recordings])
+    accel = np.stack([recording.accel for recording in recordings])
+    scratch = np.empty_like(gyro), np.empty_like(accel)
+    return _Batch(tests, recordings[0].dt, gyro, accel, recordings[0].dwells, fits, scratch)
 
 
 def _predecessors(recordings: tuple[Recording, ...]) -> dict[int, int]:
     """For each test that the plan starts as it ended the one before: the number of that one."""
     tests = [recording.test for recording in recordings]
-    chained = (np.abs(b.C_b_n - a.C_b_n_end).max() <= _CHAINED for a, b in zip(tests[:-1], tests[1:], strict=True))
+    chained = (np.abs(b.C_b_n - a.C_b_n_end).max() <= _CHAINED for a, b in pairwise(tests))
     return {i + 1: i for i, follows in enumerate(chained) if follows}
 
 

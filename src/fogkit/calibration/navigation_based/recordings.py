@@ -161,8 +161,8 @@ def _recording(table: "DataFrame", test: TurnTest, name: str, settle: float, dwe
     rests = _planned(test, dt, len(sums), name) if dwells == "plan" else find_dwells(gyro, dt)
     if rests is None:
         raise ValueError(
-            f"`{name}` must hold a dwell, a turn and a dwell, got one in which the gyros do not show a turn by more than "
-            f"{MOVING / DEG:g} deg in {WINDOW:g} s between two rests"
+            f"`{name}` must hold a dwell, a turn and a dwell, got one in which the gyros do not show a turn by more "
+            f"than {MOVING / DEG:g} deg in {WINDOW:g} s between two rests"
         )
     (first, stop), (begin_again, last) = rests
     begin_again += round(settle / dt)
@@ -178,8 +178,8 @@ def _planned(test: TurnTest, dt: float, count: int, name: str) -> tuple[tuple[in
         missing = "" if count * dt > second else f" The second dwell, from {second:g} to {end:g} s, is missing."
         missing = missing or (f" The second dwell, to {end:g} s, is cut short." if count * dt < end else "")
         raise ValueError(
-            f"`{name}` must be as long as its test, {test.duration:g} s, got {count * dt:.6g} s.{missing} A plan with the "
-            "durations of the recording may be given, or `dwells='detected'`."
+            f"`{name}` must be as long as its test, {test.duration:g} s, got {count * dt:.6g} s.{missing} A plan with "
+            "the durations of the recording may be given, or `dwells='detected'`."
         )
     (first, stop), (begin, end) = ((round(a / dt), min(round(b / dt), count)) for a, b in test.dwells)
     if min(stop - first, end - begin) < 10:

@@ -59,11 +59,11 @@ class SlopeFit:
         return cls(basis, weights)
 
     def __call__(self, samples: Array) -> tuple[Array, Array]:
-        """Derivatives, shape (channels,), of samples, shape (k, channels), and their variances (24).
+        """Derivatives, shape (..., channels), of samples, shape (..., k, channels), and their variances (24).
 
         The variances are true if samples have white noise; an angle random walk bends the velocity and is not seen.
         """
         residuals = samples - self.basis @ (self.basis.T @ samples)
         freedom = self.basis.shape[0] - self.basis.shape[1]
-        variance = np.einsum("kc,kc->c", residuals, residuals) / freedom * (self.weights @ self.weights)
+        variance = np.einsum("...kc,...kc->...c", residuals, residuals) * (self.weights @ self.weights / freedom)
         return self.weights @ samples, variance
