@@ -15,7 +15,7 @@ import psutil
 
 from fogkit.calibration import bench_fit, three_stage
 from fogkit.campaign import map_cases
-from fogkit.imu import Construction, GyroTriad
+from fogkit.imu import Construction, GyroTriad, MeasurementUnit, Sensors, SizeEffect
 from fogkit.navigation import State, increments_from_motion, integrate, integrate_arrays
 from fogkit.noise import RandomErrors, allan_deviation, identify
 from fogkit.noise import simulate as simulate_errors
@@ -24,7 +24,7 @@ from fogkit.optics.measure import simulated_drift
 from fogkit.optics.motion import AngularOscillation
 from fogkit.reproduction.miklyashev import FIGURE_1_ACCELERATION, SIMULATED, SIMULATED_ACCELERATIONS
 from fogkit.rotation import small_angle_between
-from fogkit.stand import RateTable, bench, plans
+from fogkit.stand import RateTable, RoughTable, bench, nine_tests, plans, turn_recordings
 from fogkit.units import ARCMIN, ARCSEC, DEG, DEG_PER_HOUR, DEG_PER_HOUR_PER_SQRT_HOUR, DEG_PER_SQRT_HOUR
 
 OSCILLATION = AngularOscillation(acceleration=FIGURE_1_ACCELERATION, frequency=60.0)
@@ -264,6 +264,26 @@ def navigation() -> None:
     show("90 recordings of 35 s at once, position fixed, per step", f"{batch * 1e9:.0f} ns", "")
 
 
+def rough_table() -> None:
+    """Nine tests on a rough turntable, recorded by a unit with delays and size effect, and noise drawn anew."""
+    table, plan = RoughTable.typical(53.9 * DEG), nine_tests()
+    white = RandomErrors(angle_random_walk=0.003 * DEG_PER_SQRT_HOUR)
+    full = MeasurementUnit(
+        gyros=Sensors(random=white, delay=(1e-3, 2e-3, 3e-3)),
+        accelerometers=Sensors(random=white, delay=(2e-3, 2e-3, 4e-3)),
+        size_effect=SizeEffect.one_point(0.02 * np.eye(3)),
+    )
+    for rate, bound in ((100.0, "bound 0.06 s"), (1000.0, "bound 0.6 s")):
+        motions = table.motions(plan, np.random.default_rng(1))
+        plain = median_time(lambda: turn_recordings.record(MeasurementUnit(), motions, rate))  # noqa: B023
+        show(f"nine tests of 35 s at {rate:g} Hz on a rough table, without noise", f"{plain:.3f} s", bound)
+        exact = turn_recordings.exact_inputs(full, motions, rate)
+        again = median_time(lambda: exact.arrays(np.random.default_rng(2)))  # noqa: B023
+        first = median_time(lambda: turn_recordings.exact_inputs(full, motions, rate))  # noqa: B023
+        show("the same with four different delays and size effect", f"{first:.3f} s", "")
+        show("random errors drawn anew", f"{again:.3f} s", "")
+
+
 def import_time() -> None:
     """Importing the package, against starting Python."""
 
@@ -284,6 +304,7 @@ def main() -> None:
     calibrations()
     random_errors()
     navigation()
+    rough_table()
     import_time()
 
 

@@ -4,12 +4,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from laboratories import random_triad
+from laboratories import LABORATORY, random_triad
 from numpy.testing import assert_allclose, assert_array_equal
 
+from fogkit.imu.size_effect import SizeEffect
 from fogkit.imu.triads import LinearTriad
 from fogkit.imu.unit import MeasurementUnit, Sensors, Shape
 from fogkit.noise.processes import RandomErrors
+from fogkit.stand.placements import six_positions
 
 EPS = np.finfo(float).eps
 
@@ -82,6 +84,40 @@ def test_pulses_are_counted_and_none_is_lost():
     assert np.abs(lost).max() <= 0.5 + 1e-12  # half a pulse at any time
 
 
+def test_readings_along_the_axes_are_the_readings():
+    rng = np.random.default_rng(4)
+    triad = random_triad(rng, 1e3, 0.1, sensitivity=0.1)
+    sensors = Sensors(triad=triad, random=RandomErrors(angle_random_walk=0.1), range=1.5)
+    inputs, force = rng.uniform(-2, 2, (2, 50, 3))
+    matrix = np.array(triad.matrix)
+    along = inputs @ (matrix / np.linalg.norm(matrix, axis=1)[:, None]).T
+    zero = np.array(triad.bias) + force @ np.transpose(triad.acceleration_sensitivity)
+    read = sensors.readings_along(along, 0.1, np.random.default_rng(5), zero)
+    # the same numbers in another order; readings of up to 1e4
+    assert_allclose(read, sensors.readings(inputs, 0.1, np.random.default_rng(5), force), atol=1e4 * 1e-14)
+
+
+def test_inputs_at_one_time_do_not_take_delays():
+    sensors = Sensors(delay=(0, 1e-3, 0))
+    for call in (lambda: sensors.expected([1, 2, 3]), lambda: sensors.readings(np.ones((2, 3)), 0.1, None)):
+        with pytest.raises(ValueError, match="`delay` must be 0"):
+            call()
+
+
+@pytest.mark.parametrize(
+    "unit",
+    [
+        MeasurementUnit(gyros=Sensors(delay=(0, 1e-3, 0))),
+        MeasurementUnit(accelerometers=Sensors(delay=(0, 0, -1e-3))),
+        MeasurementUnit(size_effect=SizeEffect.one_point(0.01 * np.eye(3))),
+    ],
+)
+def test_a_plate_does_not_take_delays_and_size_effect(unit):
+    with pytest.raises(ValueError, match="`unit` must have no delay and no size effect for a recording on a plate"):
+        LABORATORY.record(unit, six_positions(1.0), np.random.default_rng(0))
+    MeasurementUnit().require_point("a recording on a plate")
+
+
 @pytest.mark.parametrize(
     ("make", "kind", "message"),
     [
@@ -91,6 +127,9 @@ def test_pulses_are_counted_and_none_is_lost():
         (lambda: Sensors(random=0.1), TypeError, "`random`"),
         (lambda: Sensors(range=0), ValueError, "`range` must be > 0"),
         (lambda: Sensors(range=np.nan), ValueError, "`range` must be > 0"),
+        (lambda: Sensors(delay=(0, 1)), ValueError, "`delay`"),
+        (lambda: Sensors(delay=(0, 3, 0)), ValueError, "`delay` must be in .* Multiply milliseconds"),
+        (lambda: MeasurementUnit(size_effect=0.01), TypeError, "`size_effect`"),
         (lambda: Sensors(pulse=-1), ValueError, "`pulse`"),
         (lambda: MeasurementUnit(gyros=LinearTriad()), TypeError, "`gyros`"),
         (lambda: Sensors().expected([1, 2]), ValueError, "`inputs`"),

@@ -48,8 +48,7 @@ class SizeEffect:
     second. For one point the formula is that of a rigid body in uniform gravity, exact. With the centre for angular
     velocity by d along the pendulum from that for angular acceleration the reading grows by d times the product of the
     rates about the input axis and about the pendulum: the offset that [1]_ describes, with the same proportion.
-    Of the 18 numbers here 6 have no effect, those along the input axis of the first kind, and along it only the squares
-    of the rates across show of the second; [1]_ gives the separation one number a sensor.
+    Three of the 18 numbers have no effect: those of the centres for angular acceleration along the input axes.
     """
 
     acceleration_centres: ArrayLike = field(default=AT_REFERENCE)

@@ -270,6 +270,7 @@ def increments(
     model = (C_0, axis, lever, wobble, starts, angles, lags, decay, frequency, sag, lag_axis, earth, gravity)
     products = sums.shape[1] > 6
     before, after = _motion(starts[0] - 1.0, *model), _motion(still, *model)
+    here, known = before, -1
     for k in range(sums.shape[0]):
         start, stop = first + k * dt, first + (k + 1) * dt
         row = sums[k]
@@ -292,6 +293,9 @@ def increments(
                     _add(row, weights[q] * width, state, products)
             left = right
         if products:
-            here, there = _motion(start, *model), _motion(stop, *model)
+            if k != known:  # the end of the step before is the beginning of this one
+                here = _motion(start, *model)
+            there = _motion(stop, *model)
             for j in range(3):
                 row[12 + j] = there[j] - here[j]
+            here, known = there, k + 1
