@@ -2,11 +2,9 @@
 
 `fogkit.calibration.navigation_based.calibrate` stops when it diverges, shortens steps, and refuses a table that is too
 rough. `iterate` does nothing of the kind, so that one can watch what happens: same recordings, attitudes and weights
-for each matrix. Two sweeps of it are kept in ``data/derived``: `sweep` makes ``klimkovich_matrices.csv`` and
-`size_sweep` makes ``klimkovich_sizes.csv``.
+for each matrix. `sweep` does so for many tables; its rows are kept in ``data/derived/klimkovich_matrices.csv``.
 """
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -18,10 +16,10 @@ from numpy.typing import DTypeLike, NDArray
 from fogkit import checks
 from fogkit.calibration.navigation_based import matrix as matrices
 from fogkit.calibration.navigation_based.compensation import Compensation, differences
-from fogkit.calibration.navigation_based.iteration import calibrate
 from fogkit.calibration.navigation_based.processing import Processed, Processing, gravity_vector
 from fogkit.calibration.navigation_based.recordings import recordings_of
 from fogkit.calibration.navigation_based.turn_model import PARAMETERS
+from fogkit.claims import claims_folder
 from fogkit.imu.unit import MeasurementUnit, Shape
 from fogkit.reproduction.klimkovich import paper
 from fogkit.reproduction.klimkovich.estimates import LATITUDE
@@ -36,16 +34,13 @@ Array = NDArray[np.float64]
 ROUGHNESS = (0.0, 0.1, 0.3, 1.0, 2.0, 3.0, 5.0, 10.0)
 """Roughness of the table in `sweep`, in units of `RoughTable.typical`."""
 
-SIZES = (3e-4, 1e-3, 3e-3, 1e-2, 2e-2, 3e-2)
-"""Standard deviations of the elements of both matrices in `size_sweep`."""
-
 SETTLED = 0.1 * ARCSEC
 """Distance of every misalignment from where an iteration ends that is settled: a tenth of what the noise makes."""
 
 SEEDS = 24
 """Tables, units and noises of each roughness in `sweep`."""
 
-LOST = 0.2
+LOST = 0.5
 """Element of the matrices, less the unit one, beyond which an iteration has gone astray."""
 
 ANGLES = tuple(f"m_{kind}_{place}" for kind in "ag" for place in ("12", "13", "21", "23", "31", "32"))
@@ -64,8 +59,8 @@ def processing(trial: Trial, starts: str | Array = "true") -> Processing:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class NonlinearTrial(Trial):
-    """Trial of a unit whose scale factors are not constant.
+class VariedTrial(Trial):
+    """Trial of a unit with scale factors that are far off, or not constant.
 
     Parameters
     ----------
@@ -73,8 +68,11 @@ class NonlinearTrial(Trial):
         Of the gyros: difference of the scale factors for both senses over their mean.
     quadratic : float, optional
         Of the accelerometers, 1/(m/s^2).
+    gyro_scale : float, optional
+        What all gyros read too much, relative.
     """
 
+    gyro_scale: float = 0.0
     asymmetry: float = 0.0
     quadratic: float = 0.0
 
@@ -82,7 +80,8 @@ class NonlinearTrial(Trial):
     def unit(self) -> MeasurementUnit:
         """The unit with its errors."""
         unit = super().unit
-        gyros = replace(unit.gyros, shape=Shape(asymmetry=np.full(3, self.asymmetry)))
+        triad = replace(unit.gyros.triad, matrix=(1 + self.gyro_scale) * np.array(unit.gyros.triad.matrix))
+        gyros = replace(unit.gyros, triad=triad, shape=Shape(asymmetry=np.full(3, self.asymmetry)))
         accelerometers = replace(unit.accelerometers, shape=Shape(quadratic=np.full(3, self.quadratic)))
         return replace(unit, gyros=gyros, accelerometers=accelerometers)
 
@@ -253,55 +252,12 @@ def sweep(roughness: Sequence[float] = ROUGHNESS, seeds: Sequence[int] = range(S
     DataFrame
         ``contraction`` near the truth; ``settled``, iterations; ``rms_z``, m/s^2, ``scale_factor`` and ``angle_30`` in
         the end, NaN if not settled; ``apart``, rad, root mean square distance of the misalignments from those that the
-        matrix of the actual rotations ends at; ``angle_1`` to ``angle_8``, root mean square of the misalignments, rad, on the way.
+        matrix of the actual rotations ends at; ``angle_1`` to ``angle_8``, root mean square of the misalignments,
+        rad, on the way.
     """
     import pandas as pd
 
     return pd.DataFrame([row for value in roughness for seed in seeds for row in matrix_run(value, seed)])
-
-
-def size_run(size: float, seed: int, iterations: int = 20) -> list[dict[str, float | str]]:
-    """A unit without noise whose errors are of a given size, on a table of roughness 1: rows of `size_sweep`."""
-    trial = Trial(seed=seed, error=size)
-    rows = []
-    for matrix in ("actual", "model"):
-        log, _ = iterate(trial, matrix, iterations)
-        whole = len(log) == iterations and log.angle.iloc[-1] < SETTLED
-        row = {"size": size, "seed": seed, "matrix": matrix, "largest_scale_factor": _largest_scale_factor(trial)}
-        rows.append(row | {"whole": whole, "shortened": controlled_angle(trial, matrix, iterations) < SETTLED})
-    return rows
-
-
-def _largest_scale_factor(trial: Trial) -> float:
-    return float(np.abs(np.diag(trial.unit.gyros.triad.matrix) - 1).max())
-
-
-def controlled_angle(trial: Trial, matrix: str, iterations: int) -> float:
-    """Largest true misalignment, rad, that `calibrate` with shortened steps leaves; infinite if it gives up."""
-    level, lengths = np.ones(2 * len(trial.plan)), np.full(2 * len(trial.plan), 0.5)
-    options = {"matrix": matrix, "initial_attitude": trial.starts, "scale_factor": "all", "iterations": iterations}
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of the last correction: the true error is looked at
-        try:
-            noise = 1e-8 * np.diag(np.concatenate([level, lengths]))
-            result = calibrate(trial.recordings, trial.plan, LATITUDE, noise=noise, **options)
-        except (RuntimeError, ValueError):  # diverged, or turns that are not those of the plan
-            return np.inf
-    true = differences(result.compensation, trial.truth)
-    return max(abs(true[name]) for name in ANGLES)
-
-
-def size_sweep(sizes: Sequence[float] = SIZES, seeds: Sequence[int] = range(20)) -> "DataFrame":
-    """Runs of `size_run`, the content of ``klimkovich_sizes.csv``; some minutes.
-
-    Returns
-    -------
-    DataFrame
-        ``whole`` and ``shortened``: whether iterations with whole, and with shortened, steps ended within `SETTLED`.
-    """
-    import pandas as pd
-
-    return pd.DataFrame([row for size in sizes for seed in seeds for row in size_run(size, seed)])
 
 
 def scale_factors_of_a_tilted_base(tilt: float) -> dict[str, Array]:
@@ -326,3 +282,34 @@ def scale_factors_of_a_tilted_base(tilt: float) -> dict[str, Array]:
     processed = processing(trial, "model").run(Compensation())
     solved = solve(measurement_matrix("actual", trial, processed), processed)
     return found | {"lengths": np.array([solved[name] for name in _SCALE_FACTORS])}
+
+
+def stored() -> "DataFrame":
+    """Rows of `sweep` that are kept."""
+    import pandas as pd
+
+    return pd.read_csv(claims_folder().parent / "derived" / "klimkovich_matrices.csv")
+
+
+def floors(asymmetry: float = 1e-6, quadratic: float = 1e-5 / GRAVITY) -> dict[str, tuple[Trial, str | Array]]:
+    """Trials and attitudes at the start that each leave one thing to set the floor of the iteration.
+
+    Parameters
+    ----------
+    asymmetry : float, optional
+        Of the gyros' scale factors.
+    quadratic : float, optional
+        Of the accelerometers, 1/(m/s^2): by default 10 ug/g^2.
+    """
+    still = Trial()
+    case = np.stack([motion.C_b_n(0.0) for motion in still.motions])
+    return {
+        "nothing": (still, "true"),
+        "attitude of the case": (still, case),
+        "levelled start": (still, "levelled"),
+        "model start": (still, "model"),
+        "gyro bias": (Trial(gyro_bias=(paper.GYRO_BIAS_LEFT,) * 3), "true"),
+        "gyro asymmetry": (VariedTrial(asymmetry=asymmetry), "true"),
+        "quadratic accelerometers": (VariedTrial(quadratic=quadratic), "true"),
+        "noise": (Trial(noisy=True), "true"),
+    }
