@@ -225,10 +225,10 @@ def turn_plan(plan: Sequence[TurnTest], columns: int = 3) -> "np.ndarray":
     directions = {"E": np.eye(3)[0], "N": np.eye(3)[1], "U": np.eye(3)[2]}
     seen = np.array([[1.0, 0.5, 0.0], [0.0, 0.36, 1.0]])  # east to the right, north to the back, up
     for ax in axes.ravel():
-        ax.set(xlim=(-1.8, 4.6), ylim=(-2.1, 1.4), aspect="equal")
+        ax.set(xlim=(-1.5, 4.8), ylim=(-2.1, 1.4), aspect="equal")
         ax.axis("off")
     for ax, test in zip(axes.ravel(), plan, strict=False):
-        for place, C in ((0.0, test.C_b_n), (2.8, test.C_b_n_end)):
+        for place, C in ((0.0, test.C_b_n), (3.3, test.C_b_n_end)):
             for i, name in enumerate("xyz"):
                 along = abs(test.axis[i]) > 0.99
                 tip = seen @ C[:, i] + [place, 0]
@@ -236,8 +236,8 @@ def turn_plan(plan: Sequence[TurnTest], columns: int = 3) -> "np.ndarray":
                 ax.annotate("", tip, (place, 0), arrowprops=style | {"shrinkA": 0, "shrinkB": 0})
                 at = 1.28 * seen @ C[:, i] + [place, 0]
                 ax.text(*at, name, color=f"C{i}", ha="center", va="center", weight="bold" if along else "normal")
-        ax.text(1.4, -2.1, f"{test.label}:  {test.angle / DEG:.0f}°", ha="center", va="bottom", fontsize=10)
-        ax.annotate("", (1.75, 0.75), (1.05, 0.75), arrowprops={"arrowstyle": "->", "color": "0.4"})
+        ax.text(1.65, -2.1, f"{test.label}:  {test.angle / DEG:.0f}°", ha="center", va="bottom", fontsize=10)
+        ax.annotate("", (2.0, 0.75), (1.3, 0.75), arrowprops={"arrowstyle": "->", "color": "0.4"})
     key = fig.add_axes((0.0, 0.0, 0.09, 0.14))
     key.set(xlim=(-0.4, 1.6), ylim=(-0.4, 1.6), aspect="equal")
     key.axis("off")
