@@ -29,6 +29,7 @@ from typing import Any
 
 import numpy as np
 
+from fogkit.calibration.navigation_based import turns_needed
 from fogkit.calibration.navigation_based.turn_model import MISALIGNED_WITH, PARAMETERS
 from fogkit.claims import Proof
 from fogkit.reproduction.klimkovich import (
@@ -142,7 +143,7 @@ def _eq28() -> Proof:
     deviations = {turns: conditioning.scale_factor_deviation(turns) for turns in range(1, 9)}
 
     def holds(printed: bool, tolerance: float) -> bool:
-        needed = [conditioning.turns_needed(deviation, printed=printed) for deviation in deviations.values()]
+        needed = [turns_needed(1.0, deviation, gravity=1.0, printed=printed) for deviation in deviations.values()]
         return bool(np.allclose(needed, list(deviations), rtol=0, atol=tolerance))
 
     return Proof(printed=holds(True, 0.5), corrected=holds(False, 1e-9))

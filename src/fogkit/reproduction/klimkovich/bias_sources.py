@@ -50,11 +50,7 @@ SOURCES = {
     ),
     "size effect, two points": Source(
         "the same, their two centres 1 cm apart",
-        {
-            "size_effect": SizeEffect(
-                acceleration_centres=_centres(0.02), velocity_centres=_centres(0.02) + _APART
-            )
-        },
+        {"size_effect": SizeEffect(acceleration_centres=_centres(0.02), velocity_centres=_centres(0.02) + _APART)},
     ),
     "gyro delay, common": Source("all gyros late by 1 ms", {"gyro_delay": (1e-3,) * 3}),
     "gyro delays, unequal": Source("gyros late by 0.1, -0.1 and 0.2 ms", {"gyro_delay": (1e-4, -1e-4, 2e-4)}),

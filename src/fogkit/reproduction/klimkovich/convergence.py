@@ -191,6 +191,7 @@ def slopes(table: "DataFrame", trial: Trial, test: int = 0) -> Array:
     return np.array(found)
 
 
+@cache
 def oscillations(iteration: int = 8) -> dict[str, float]:
     """What makes the velocity oscillate in the turn of test 1: excursions, m/s, after calibration.
 
@@ -208,9 +209,7 @@ def oscillations(iteration: int = 8) -> dict[str, float]:
         "delays": Trial(table=still, accelerometer_delay=(5e-3,) * 3),
         "off the axis": Trial(),
     }
-    return {
-        name: oscillation(figures_2_and_3(trial, iteration)[iteration], trial) for name, trial in trials.items()
-    }
+    return {name: oscillation(figures_2_and_3(trial, iteration)[iteration], trial) for name, trial in trials.items()}
 
 
 def oscillation(table: "DataFrame", trial: Trial, test: int = 0) -> float:

@@ -204,7 +204,11 @@ def visible_of_size_effect(centres: int) -> int:
     columns = []
     rates, accelerations = rng.normal(size=(2, 12, 3))
     for step in steps:
-        effect = SizeEffect(acceleration_centres=step[0], velocity_centres=step[1]) if centres == 2 else SizeEffect.one_point(step[0])
+        effect = (
+            SizeEffect(acceleration_centres=step[0], velocity_centres=step[1])
+            if centres == 2
+            else SizeEffect.one_point(step[0])
+        )
         added = effect.added_force(accelerations, rates[:, :, None] * rates[:, None, :])
         columns.append(np.diagonal(added, axis1=-2, axis2=-1).ravel())  # along each accelerometer's own axis
     return int(np.linalg.matrix_rank(np.array(columns).T, tol=1e-9))

@@ -1,13 +1,12 @@
 """How rough may the table be? Convergence of the three matrices over roughness and seeds, stored in the repository.
 
-The map takes minutes, so it stands in ``data/derived/klimkovich_roughness.csv`` beside `compute`, which made it; a test
-computes some of its rows again.
+The map takes minutes, so it stands in the repository, ``data/derived/klimkovich_roughness.csv``, as `compute` made it;
+a test computes some of its rows again.
 """
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from fogkit.claims import claims_folder
 from fogkit.reproduction.klimkovich.convergence import LONG, compare_matrices
 from fogkit.reproduction.klimkovich.trials import Trial
 
@@ -20,6 +19,7 @@ RATE = 50.0
 """Samples per second: the motion is smooth and the noise the same per second."""
 
 NAME = "klimkovich_roughness.csv"
+"""Of the file, in ``data/derived``."""
 
 
 def compute(
@@ -63,17 +63,12 @@ def _measures(table: "DataFrame") -> list[str]:
     return [name for name in table.columns if name not in ("roughness", "seed", "noisy", "matrix", "refused")]
 
 
-def load() -> "DataFrame":
-    """The stored map, as `compute` returns it."""
-    import pandas as pd
+def summary(table: "DataFrame") -> "DataFrame":
+    """Medians over the seeds whose iteration did not diverge, and how many these are, by noise, roughness and matrix.
 
-    return pd.read_csv(claims_folder().parent / "derived" / NAME)
-
-
-def summary(table: "DataFrame | None" = None) -> "DataFrame":
-    """Medians over the seeds that converged, and how many did, by noise, roughness and matrix."""
-    table = load() if table is None else table
+    With iterations that go on, ``LONG`` of them do not mean convergence: "iterations" is then near `LONG`.
+    """
     ran = table[~table["refused"].astype(bool)]
     groups = ran.groupby(["noisy", "roughness", "matrix"])
     result = groups[["iterations", "rms_z", "gyro_angle_arcsec", "gyro_scale_ppm"]].median()
-    return result.assign(converged=groups["iterations"].count(), tried=groups.size())
+    return result.assign(finished=groups["iterations"].count(), tried=groups.size())

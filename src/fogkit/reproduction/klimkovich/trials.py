@@ -198,7 +198,12 @@ def _expected_warnings() -> Iterator[None]:
 
 
 def largest(errors: Mapping[str, float]) -> dict[str, float]:
-    """Largest errors of each kind, arcsec, ppm and um/s^2, from those of `fogkit.calibration.navigation_based.differences`.
+    """Largest errors of each kind, arcsec, ppm and um/s^2.
+
+    Parameters
+    ----------
+    errors : mapping
+        As `fogkit.calibration.navigation_based.differences` returns them.
 
     Returns
     -------

@@ -43,9 +43,9 @@ def actual_matrix_is_more_accurate() -> bool:
 def model_matrix_is_biased() -> bool:
     """Whether the model matrix ends elsewhere, by more than rounding to 0.1 arcsec, without noise."""
     return any(
-        convergence.disagreement(
-            standard_calibration("actual", seed=seed), standard_calibration("model", seed=seed)
-        )["gyro_angle_arcsec"]
+        convergence.disagreement(standard_calibration("actual", seed=seed), standard_calibration("model", seed=seed))[
+            "gyro_angle_arcsec"
+        ]
         > _NOTHING
         for seed in SEEDS
     )
@@ -75,7 +75,7 @@ def actual_matrix_has_the_lower_floor() -> bool:
 
 
 def calibrates_to_table_1(attitude: str = "model") -> bool:
-    """Whether on the rough table the true errors stay below the largest deviations of table 1, shock absorbers at work."""
+    """Whether on the rough table, absorbers and all, the true errors stay below the largest deviations of table 1."""
     found, cells = errors(attitude=attitude), paper.TABLE_1
     limits = {
         "gyro_angle_arcsec": max(v for n, v in cells.items() if n[:3] == "m_g" and n[-1] != n[-2]),
@@ -165,9 +165,7 @@ def corrections_end_in_rounding() -> bool:
 def levelling_removes_the_tilt() -> bool:
     """Whether a start from the first dwell takes the scale factors of (26) to 0.1 ppm and lessens the other errors."""
     model, levelled = errors(), errors(attitude="levelled")
-    return (
-        levelled["accelerometer_scale_ppm"] < _NOTHING and levelled["gyro_angle_arcsec"] < model["gyro_angle_arcsec"]
-    )
+    return levelled["accelerometer_scale_ppm"] < _NOTHING and levelled["gyro_angle_arcsec"] < model["gyro_angle_arcsec"]
 
 
 def heading_drops_out_of_the_biases() -> bool:
