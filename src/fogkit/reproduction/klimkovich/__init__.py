@@ -21,6 +21,7 @@ module              answers
 `gyro_bias_test`    what do (29)-(31) find (figure 6)?
 `roughness_map`     how rough may the table be, for which matrix?
 `verdicts`          do the claims in words hold in the experiments?
+`chapters`          what does each step of the iteration leave, with which matrix, on which table?
 ==================  =====================================================================================
 """
 
