@@ -16,11 +16,39 @@ module              answers
 `iteration`         which parameters make the changes of slope vanish?
 `results`           the record that comes back
 `batch`             what do the fifteen parameters leave out? 59 states from the same recordings
+`turns`             how many whole turns does a scale factor need?
+`axes`              what are the axes of the table, and the calibration in them?
+`gyro_bias`         what are the gyro biases, from half a turn about the vertical?
+`azimuth`           where is north, by calibrated gyros at rest?
 ==================  =====================================================================================
 """
 
+from fogkit.calibration.navigation_based.axes import Alignment, align_to_table
+from fogkit.calibration.navigation_based.azimuth import Azimuth, gyrocompass_azimuth
 from fogkit.calibration.navigation_based.compensation import Compensation, differences
-from fogkit.calibration.navigation_based.iteration import calibrate
+from fogkit.calibration.navigation_based.gyro_bias import GyroBiases, estimate_gyro_biases
+from fogkit.calibration.navigation_based.iteration import calibrate, require_observable
+from fogkit.calibration.navigation_based.matrix import actual_matrix, finite_difference_matrix, model_matrix
+from fogkit.calibration.navigation_based.processing import prepare
 from fogkit.calibration.navigation_based.results import NavigationCalibration
+from fogkit.calibration.navigation_based.turns import scale_factor_deviation, turns_needed
 
-__all__ = ["Compensation", "NavigationCalibration", "calibrate", "differences"]
+__all__ = [
+    "Alignment",
+    "Azimuth",
+    "Compensation",
+    "GyroBiases",
+    "NavigationCalibration",
+    "actual_matrix",
+    "align_to_table",
+    "calibrate",
+    "differences",
+    "estimate_gyro_biases",
+    "finite_difference_matrix",
+    "gyrocompass_azimuth",
+    "model_matrix",
+    "prepare",
+    "require_observable",
+    "scale_factor_deviation",
+    "turns_needed",
+]

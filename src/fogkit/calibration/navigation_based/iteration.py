@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from fogkit import checks, earth
+from fogkit import checks
 from fogkit.calibration.navigation_based import plausibility
 from fogkit.calibration.navigation_based.compensation import Compensation
 from fogkit.calibration.navigation_based.matrix import (
@@ -30,8 +30,8 @@ from fogkit.calibration.navigation_based.matrix import (
     scale_factor_columns,
     upended,
 )
-from fogkit.calibration.navigation_based.processing import INITIAL_ATTITUDES, Processed, Processing, gravity_vector
-from fogkit.calibration.navigation_based.recordings import checked_plan, recordings_of
+from fogkit.calibration.navigation_based.processing import Processed, Processing, prepare
+from fogkit.calibration.navigation_based.recordings import checked_plan
 from fogkit.calibration.navigation_based.results import NavigationCalibration
 from fogkit.calibration.navigation_based.turn_model import PARAMETERS
 from fogkit.estimation import Solution, linear
@@ -161,27 +161,28 @@ def calibrate(
         If a dwell is not quite at rest, turns are too few for scale factors, or the last correction is not small.
     """
     plan = checked_plan(plan)
-    latitude = float(earth.checked_latitude(latitude, "latitude", earth.POLE_MARGIN))
     start = Compensation() if start is None else checks.instance("start", start, Compensation)
     iterations = checks.integer("iterations", iterations, minimum=1)
     tolerance = 0.0 if tolerance is None else checks.positive("tolerance", tolerance)
-    down = gravity_vector(gravity, latitude, checks.finite("altitude", altitude, "m"))
     require_observable(plan, scale_factor)
-    prepared = recordings_of(recordings, plan, settle=settle, dwells=dwells)
-    plausibility.check(prepared, start, float(np.linalg.norm(down)))
+    processing = prepare(
+        recordings,
+        plan,
+        latitude,
+        altitude=altitude,
+        gravity=gravity,
+        initial_attitude=initial_attitude,
+        azimuth=azimuth,
+        degree=degree,
+        settle=settle,
+        dwells=dwells,
+        corrections=corrections,
+    )
+    plausibility.check(processing.recordings, start, float(np.linalg.norm(processing.gravity)))
     problem = Problem(
-        processing=Processing(
-            prepared,
-            latitude,
-            float(altitude),
-            down,
-            _checked_attitude(initial_attitude, len(plan)),
-            checks.finite("azimuth", azimuth, "rad"),
-            _checked_degree(degree),
-            corrections,
-        ),
+        processing=processing,
         plan=plan,
-        gravity=down,
+        gravity=processing.gravity,
         matrix=_checked_matrix(matrix, len(plan)),
         scale_factor=scale_factor,
         covariance=_checked_covariance(noise, plan, scale_factor),
@@ -375,19 +376,6 @@ def _slopes_frame(plan: tuple[TurnTest, ...], processed: Processed) -> "DataFram
     names = ("east", "north", "up")
     table = np.concatenate([processed.slopes, processed.variances], axis=-1).reshape(-1, 6)
     return pd.DataFrame(table, index=index, columns=[*names, *(f"variance_{name}" for name in names)])
-
-
-def _checked_attitude(attitude: str | ArrayLike, count: int) -> str | Array:
-    if isinstance(attitude, str):
-        return checks.option("initial_attitude", attitude, INITIAL_ATTITUDES)
-    checks.finite_array("initial_attitude", attitude, shape=(count, 3, 3))
-    return checks.rotation_matrix("initial_attitude", attitude)
-
-
-def _checked_degree(degree: int) -> int:
-    if checks.integer("degree", degree) not in (1, 2):
-        raise ValueError(f"`degree` must be 1 or 2, got {degree}")
-    return int(degree)
 
 
 def _checked_matrix(matrix: str | ArrayLike, count: int) -> str | Array:

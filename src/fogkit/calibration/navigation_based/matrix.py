@@ -39,7 +39,7 @@ def finite_difference_matrix(processing: Processing, compensation: Compensation)
     Parameters
     ----------
     processing : Processing
-        The recordings, as `fogkit.calibration.navigation_based.prepared` gives them.
+        The recordings, as `fogkit.calibration.navigation_based.prepare` gives them.
     compensation : Compensation
         Where the derivatives are taken.
 

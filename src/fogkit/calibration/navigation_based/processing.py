@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,10 +14,14 @@ from scipy.spatial.transform import Rotation
 from fogkit import checks, earth
 from fogkit.calibration.navigation_based import _kernels
 from fogkit.calibration.navigation_based.compensation import Compensation
-from fogkit.calibration.navigation_based.recordings import Recording
+from fogkit.calibration.navigation_based.recordings import Recording, checked_plan, recordings_of
 from fogkit.calibration.navigation_based.slopes import SlopeFit
 from fogkit.navigation import State, integrate_arrays
 from fogkit.rotation import dcm_from_rotvec, orthonormalise
+from fogkit.stand.turn_tests import TurnTest
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 Array = NDArray[np.float64]
 
@@ -98,7 +103,7 @@ class Processing:
     ) -> None:
         self.recordings = tuple(recordings)
         self._place = {"lat": latitude, "alt": altitude}
-        self._gravity, self._corrections = gravity, corrections
+        self.gravity, self._corrections = gravity, corrections
         self._raw_forces = np.stack([recording.forces for recording in recordings])
         self._levelled = isinstance(starts, str) and starts != "model"
         planned = np.stack([recording.test.C_b_n for recording in recordings])
@@ -133,7 +138,7 @@ class Processing:
     def _start(self, test: int, found: Processed) -> Array:
         before = self._before.get(test)
         nominal = self.nominal[test] if before is None else found.ends[before]
-        return levelled(nominal, found.forces[test, 0], self._gravity) if self._levelled else nominal
+        return levelled(nominal, found.forces[test, 0], self.gravity) if self._levelled else nominal
 
     def _navigate(self, batch: "_Batch", compensation: Compensation, found: Processed) -> None:
         matrices = (compensation.gyro_matrix, compensation.gyro_bias)
@@ -146,7 +151,7 @@ class Processing:
             accel,
             batch.dt,
             State(C_b_n=orthonormalise(found.starts[tests]), **self._place),
-            gravity=self._gravity,
+            gravity=self.gravity,
             corrections=self._corrections,
             velocity_reset=[batch.dwells[1][0] * batch.dt],
             position_fixed=True,
@@ -161,6 +166,60 @@ class Processing:
         for dwell, ((first, last), fit) in enumerate(zip(batch.dwells, batch.fits, strict=True)):
             slopes = fit(trajectory.v_eb_n[:, first + 1 : last + 1])
             found.slopes[tests, dwell], found.variances[tests, dwell] = slopes
+
+
+def prepare(
+    recordings: Sequence["DataFrame"],
+    plan: Sequence[TurnTest],
+    latitude: float,
+    *,
+    altitude: float = 0.0,
+    gravity: float | ArrayLike | None = None,
+    initial_attitude: str | ArrayLike = "model",
+    azimuth: float = 0.0,
+    degree: int = 1,
+    settle: float = 0.0,
+    dwells: str = "plan",
+    corrections: str = "central",
+) -> Processing:
+    """Recordings ready to be navigated with any compensation: what `calibrate` iterates.
+
+    Parameters
+    ----------
+    recordings, plan, latitude, altitude, gravity, initial_attitude, azimuth, degree, settle, dwells, corrections
+        As for `calibrate`.
+
+    Returns
+    -------
+    Processing
+        `Processing.run` navigates all tests.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As `calibrate`, but for what needs a compensation to be seen.
+    """
+    plan = checked_plan(plan)
+    prepared = recordings_of(recordings, plan, settle=settle, dwells=dwells)
+    latitude = float(earth.checked_latitude(latitude, "latitude", earth.POLE_MARGIN))
+    altitude = checks.finite("altitude", altitude, "m")
+    if isinstance(initial_attitude, str):
+        checks.option("initial_attitude", initial_attitude, INITIAL_ATTITUDES)
+    else:
+        initial_attitude = checks.finite_array("initial_attitude", initial_attitude, shape=(len(plan), 3, 3))
+        checks.rotation_matrix("initial_attitude", initial_attitude)
+    if checks.integer("degree", degree) not in (1, 2):
+        raise ValueError(f"`degree` must be 1 or 2, got {degree}")
+    return Processing(
+        prepared,
+        latitude,
+        altitude,
+        gravity_vector(gravity, latitude, altitude),
+        initial_attitude,
+        checks.finite("azimuth", azimuth, "rad"),
+        int(degree),
+        corrections,
+    )
 
 
 def gravity_vector(gravity: float | ArrayLike | None, latitude: float, altitude: float) -> Array:
