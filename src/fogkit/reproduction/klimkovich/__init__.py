@@ -15,6 +15,7 @@ module              answers
 `conditioning`      how well is the plan conditioned, how many turns does it need, (28)?
 `estimates`         what do gyro bias and start attitude really do, (32)-(35)?
 `tables`            what can be said of tables 1 and 2?
+`confidence`        what can chi-square see, which cells of table 1 hang together, what if the noise is another?
 ==================  =====================================================================================
 """
 
