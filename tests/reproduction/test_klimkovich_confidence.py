@@ -120,10 +120,11 @@ def test_swaying_against_lines_through_sampled_sines():
         variances.append(ssr[0] / (len(time) - 2) / np.sum((time - time.mean()) ** 2))
     expected = np.sqrt(np.mean(np.square(slopes)) / np.mean(variances))
     assert_allclose(confidence.swaying(frequency, dwell, dt), expected, rtol=1e-9)
-    # whole and a half periods: the ends of the dwell are not at zeros of the cosine on the mean over frequencies
-    fast = np.linspace(5.0, 10.0, 2001)
-    ratio = np.sqrt(np.mean((confidence.swaying(fast, 10.0, 1e-3) * fast) ** 2))
-    assert_allclose(ratio, 6 / (np.pi * np.sqrt(12 * 1e-3 * 10.0)), rtol=0.02)
+    # weights of a slope pass 12 |cos(pi f T)| / (2 pi f T^2) of a fast sway, white noise sqrt(12 dt / T^3)
+    fast, dwell, dt = np.linspace(5.0, 10.0, 501), 10.0, 5e-3  # whole periods of the cosine
+    ratio = np.sqrt(np.mean((confidence.swaying(fast, dwell, dt) * fast) ** 2))
+    limit = 6 / (np.sqrt(2) * np.pi * np.sqrt(12 * dt * dwell))
+    assert_allclose(ratio, limit, rtol=0.02)  # of the second order in f dt and in 1 / (f T)
 
 
 def test_stored_batch_deviations_are_those_of_the_code():
