@@ -309,7 +309,10 @@ def swaying(frequency: ArrayLike, dwell: float, dt: float = 0.01) -> Array:
     return np.abs(wave @ weights) / np.sqrt(scatter * (weights @ weights))
 
 
-_KNOWN = {"b_g": 1e-3 * DEG_PER_HOUR, "start_up": 0.01 * DEG}  # as after a bias test; 3e-6 m/s^2 in a test by Earth's turn
+_KNOWN = {
+    "b_g": 1e-3 * DEG_PER_HOUR,
+    "start_up": 0.01 * DEG,
+}  # as after a bias test; 3e-6 m/s^2 in a test by Earth's turn
 
 BATCH_KINDS = {
     "changes of slope": None,
