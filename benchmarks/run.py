@@ -3,19 +3,21 @@
 Every figure is the median of several runs after a warm-up. Nothing here is asserted: a machine may be slow.
 """
 
+import multiprocessing
 import os
 import subprocess
 import sys
 import time
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
 import psutil
 
 from fogkit.calibration import bench_fit, three_stage
+from fogkit.calibration.navigation_based import calibrate
 from fogkit.campaign import map_cases
-from fogkit.imu import Construction, GyroTriad, MeasurementUnit, Sensors, SizeEffect
+from fogkit.imu import Construction, GyroTriad, LinearTriad, MeasurementUnit, Sensors, SizeEffect
 from fogkit.navigation import State, increments_from_motion, integrate, integrate_arrays
 from fogkit.noise import RandomErrors, allan_deviation, identify
 from fogkit.noise import simulate as simulate_errors
@@ -284,6 +286,32 @@ def rough_table() -> None:
         show("random errors drawn anew", f"{again:.3f} s", "")
 
 
+def noisy_calibration(seed: int) -> float:
+    """One Monte Carlo run: noise drawn anew, calibration in full; the largest remaining correction."""
+    calibration = calibrate(MONTE_CARLO.record(np.random.default_rng(seed)), nine_tests(), 53.9 * DEG)
+    return float(calibration.log.largest_correction.iloc[-1])
+
+
+def navigation_calibrations() -> None:
+    """Calibrations by changes of velocity: nine tests of 35 s, eight iterations, table in and result out."""
+    global MONTE_CARLO  # workers that are forked share it
+    table, plan, rng = RoughTable.typical(53.9 * DEG), nine_tests(), np.random.default_rng(1)
+    walk = RandomErrors(angle_random_walk=0.003 * DEG_PER_SQRT_HOUR)
+    triads = [LinearTriad(matrix=np.eye(3) + 1e-3 * rng.normal(size=(3, 3))) for _ in range(2)]
+    unit = MeasurementUnit(gyros=Sensors(triad=triads[0], random=walk), accelerometers=Sensors(triad=triads[1]))
+    motions = table.motions(plan, rng)
+    for rate, bound in ((1000.0, "bound 0.5 s"), (100.0, "")):
+        recordings = turn_recordings.record(unit, motions, rate, rng=rng)
+        elapsed = median_time(lambda: calibrate(recordings, plan, 53.9 * DEG))  # noqa: B023
+        show(f"calibration by navigation, nine tests of 35 s at {rate:g} Hz, 8 iterations", f"{elapsed:.3f} s", bound)
+    MONTE_CARLO = turn_recordings.exact_inputs(unit, motions, 100.0)
+    start = time.perf_counter()
+    with ProcessPoolExecutor(mp_context=multiprocessing.get_context("fork")) as pool:
+        map_cases(noisy_calibration, [{"seed": seed} for seed in range(1000)], executor=pool)
+    elapsed = time.perf_counter() - start
+    show("1000 of them at 100 Hz, noise drawn anew, on all processors", f"{elapsed:.0f} s", "bound 60 s on 2")
+
+
 def import_time() -> None:
     """Importing the package, against starting Python."""
 
@@ -305,6 +333,7 @@ def main() -> None:
     random_errors()
     navigation()
     rough_table()
+    navigation_calibrations()
     import_time()
 
 

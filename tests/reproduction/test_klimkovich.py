@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fogkit import claims
-from fogkit.calibration.navigation_based import turn_model
+from fogkit.calibration.navigation_based import turn_model, turns_needed
 from fogkit.constants import EARTH_RATE
 from fogkit.earth import earth_rate_n, normal_gravity
 from fogkit.navigation import State, integrate_arrays
@@ -280,11 +280,10 @@ def test_whole_turns_alone_are_blind():
     assert np.isinf(table.loc[(360, 360, 360), "condition"])
 
 
-def test_turns_needed_by_hand():
-    # rows across of the three tests about an axis: 2 pi (3 n + 1), three measurements
+def test_deviation_of_a_scale_factor_by_hand():
+    # rows across of the three tests about an axis add up to 2 pi (3 n + 1): three measurements
     for turns in (1, 5):
         assert_allclose(conditioning.scale_factor_deviation(turns), np.sqrt(3) / (2 * np.pi * (3 * turns + 1)))
-    assert_allclose(conditioning.turns_needed(1 / (10 * np.pi), printed=True), 5)
 
 
 def test_table_2_of_the_size_effect():
@@ -331,7 +330,7 @@ def test_every_row_that_needs_a_value_has_one(rows):
     [
         ("eq20-r", "1500", lambda: 10 * regression.noise_in_slopes("velocity random walk").shortfall),  # 1.5 k
         ("eq22-independent", "0.49", lambda: regression.noise_in_slopes("angle random walk").slope_correlation),
-        ("eq28", "9.2", lambda: conditioning.turns_needed(conditioning.scale_factor_deviation(5), printed=True)),
+        ("eq28", "9.2", lambda: turns_needed(1.0, conditioning.scale_factor_deviation(5), 1.0, printed=True)),
         ("plan-condition", "74.9", lambda: conditioning.chained_plans().loc[(90, 180, 90), "condition"]),
         ("plan-condition", "70.3", lambda: conditioning.chained_plans()["condition"].min()),
         ("plan-condition", "2.88", lambda: conditioning.chained_plans()["scaled condition"].min()),

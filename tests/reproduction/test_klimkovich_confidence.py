@@ -13,6 +13,7 @@ from fogkit.calibration.navigation_based.turn_model import PARAMETERS
 from fogkit.calibration.turn_plans import difference_variance
 from fogkit.calibration.uncertainty import design
 from fogkit.calibration.velocity_noise import SensorNoise
+from fogkit.estimation.consistency import chi_square_interval
 from fogkit.noise import RandomErrors
 from fogkit.reproduction.klimkovich import campaigns, confidence, paper, plan_search, tables
 from fogkit.stand.turn_tests import nine_tests
@@ -135,6 +136,19 @@ def test_stored_batch_deviations_are_those_of_the_code():
     assert_allclose(fresh[column], stored[column], rtol=1e-5)  # stored with 7 digits
     grown = stored.iloc[:, 1:].to_numpy()
     assert (np.diff(grown, axis=1) > -1e-6 * grown[:, 1:]).all()  # more states never sharpen any
+
+
+def test_runs_with_other_seeds_are_repeatable_and_consistent():
+    stored = pd.read_csv(STORED.with_name("klimkovich_noise_runs_again.csv"))
+    assert list(stored.seed) == list(range(600, 1200))
+    fresh = campaigns.noise_run(700, "walk", "paper", "noise")
+    row = stored.set_index("seed").loc[700]
+    names = [name for name in stored.columns if name[:2] in ("m_", "b_")]
+    # the iteration ends when the correction is below 0.01 of a deviation
+    assert_allclose([fresh[name] for name in names], row[names].astype(float), rtol=1e-2, atol=2e-2)
+    for name, freedom in (("nees", 18), ("chi_square", 18)):
+        low, high = chi_square_interval(freedom, len(stored), 0.95)
+        assert low < stored[name].mean() < high
 
 
 @pytest.mark.parametrize(

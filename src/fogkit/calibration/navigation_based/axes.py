@@ -96,7 +96,7 @@ def align_to_table(
 def turn_axes(compensation: Compensation, recordings: Sequence[Recording]) -> Array:
     """Mean direction in the unit about which each test turned, shape (tests, 3).
 
-    The Earth's rotation is in it: about an axis that lies level, by its component along that axis alone, as the rest turns
+    The Earth rotation is in it: about a level axis by its component along that axis alone; the rest turns
     round and round in the unit: 1e-3 rad in 15 s, against 33 rad of a test.
     """
     sums = np.stack([recording.turned for recording in recordings]) @ compensation.gyro_matrix.T

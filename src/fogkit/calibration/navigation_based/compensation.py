@@ -86,7 +86,7 @@ class Compensation(FrozenArrays):
         return pd.DataFrame(np.hstack([gyro, accel]), index=increments.index, columns=list(IMU_COLUMNS))
 
     def corrected(self, errors: dict[str, float]) -> Self:
-        """Compensation less errors that were found in it.
+        """Compensation less errors that were found in it, element by element as the paper has it.
 
         Parameters
         ----------
@@ -103,6 +103,22 @@ class Compensation(FrozenArrays):
         for name, value in errors.items():
             place, index = _place(name)
             parts[place][index] -= value
+        return type(self)(**parts)
+
+    def with_errors(self, errors: dict[str, float]) -> Self:
+        """Compensation after which true readings x come out as ``(I + m) x + b``, with errors named as in `corrected`.
+
+        `corrected` undoes it to first order: what it takes from an element of a matrix near the unit matrix
+        differs from the error by the product of both departures.
+        """
+        parts, found = self._parts(), Compensation()._parts()
+        for name, value in errors.items():
+            place, index = _place(name)
+            found[place][index] += value
+        for kind in ("gyro", "accelerometer"):
+            matrix = found[f"{kind}_matrix"]
+            parts[f"{kind}_bias"] = matrix @ parts[f"{kind}_bias"] + found[f"{kind}_bias"]
+            parts[f"{kind}_matrix"] = matrix @ parts[f"{kind}_matrix"]
         return type(self)(**parts)
 
     def turned(self, C_b_b2: ArrayLike) -> Self:
@@ -126,10 +142,11 @@ class Compensation(FrozenArrays):
                 break
             # derivatives of the three elements with respect to a further small rotation about the three axes
             slopes = np.stack([(skew(axis) @ turned)[rows, columns] for axis in np.eye(3)], axis=-1)
-            step = -np.linalg.solve(slopes, turned[rows, columns])
+            step = -np.linalg.lstsq(slopes, turned[rows, columns])[0]
             C = dcm_from_rotvec(step) @ C
         turned = C @ matrix
-        if np.abs(turned[rows, columns]).max() > 1e-12 * np.abs(turned).max() or np.trace(C) < 2:
+        largest = np.abs(turned).max()
+        if np.abs(turned[rows, columns]).max() > 1e-12 * largest or np.diagonal(turned).min() < 0.5 * largest:
             raise ValueError(f"`accelerometer_matrix` must be near a diagonal one, got {matrix.tolist()}")
         parts = {name: C @ part for name, part in self._parts().items()}
         parts["accelerometer_matrix"][rows, columns] = 0.0  # rounding

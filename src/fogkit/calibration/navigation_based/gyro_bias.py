@@ -215,7 +215,7 @@ class _Run:
             deviations.append(tilt)
         deviation = np.maximum(np.concatenate(deviations), 1e-14)  # without noise: rounding
         solution = linear(np.vstack(rows), np.concatenate(values), standard_deviation=deviation, names=STATES)
-        return solution, dcm_from_rotvec(solution.estimate[3:]) @ C_b_n
+        return solution, dcm_from_rotvec(solution.estimate[3:].copy()) @ C_b_n
 
 
 def _compensated(recording: Recording, compensation: Compensation) -> tuple[Array, Array]:

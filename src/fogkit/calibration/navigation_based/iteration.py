@@ -14,6 +14,7 @@ References
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -52,7 +53,8 @@ weights (24) would be ratios of rounding errors."""
 LARGEST_ERROR = 0.2
 """Element of a correction summed over all steps at which the iteration has lost its way."""
 
-_GROWTH = 3.0  # rms of the changes of slope, of the smallest so far, that is no fluctuation
+_GROWTH = 10.0  # rms of the changes of slope, of the smallest so far, that is no fluctuation
+_NO_RESULT = 1e-2  # change of attitude, rad, by the last of several corrections: the end is not in sight
 _SETTLED = 1e-2  # correction in standard deviations that changes no conclusion
 _STILL = {"m": 1e-9, "b": 1e-8}  # corrections of 0.0002 arcsec and 0.001 ppm of g, where the deviation is rounding
 
@@ -70,10 +72,20 @@ class Problem:
     scale_factor: str
     covariance: Array | None
 
-    @property
+    @cached_property
     def g(self) -> float:
         """Magnitude of gravity, m/s^2."""
         return float(np.linalg.norm(self.gravity))
+
+    @cached_property
+    def upended(self) -> dict[str, list[int]]:
+        """Tests by which (26) gives each accelerometer scale factor."""
+        return upended(self.plan)
+
+    @cached_property
+    def model(self) -> Array:
+        """Measurement matrix of the plan."""
+        return model_matrix(self.plan, self.g)
 
 
 def calibrate(
@@ -229,17 +241,21 @@ def _iterate(
         smallest = _require_no_growth(number, processed, smallest, problem.g)
         solution, scale_factors, deviations = _estimate(problem, processed)
         errors = dict(zip(solution.names, solution.estimate.tolist(), strict=True)) | scale_factors
-        share = _share(processed, errors) if step_control else 1.0
+        tilt = _tilt(processed, errors)
+        share = min(1.0, LARGEST_TILT / max(tilt, np.finfo(float).tiny)) if step_control else 1.0
         errors = {name: share * value for name, value in errors.items()}
         compensation = compensation.corrected(errors)
         _require_near(number, compensation, start)
         largest = float(np.abs(solution.estimate / solution.standard_deviation).max())
-        log.append(_log_row(processed, errors, solution, share, largest))
+        log.append(
+            _log_row(processed, errors, solution) | {"largest_correction": largest, "tilt": tilt, "share": share}
+        )
         still = all(abs(value) <= _STILL[name[0]] for name, value in errors.items())
         converged = share == 1.0 and (still or largest <= max(tolerance, _SETTLED))
         if converged and tolerance:
             break
     if not converged:
+        _require_progress(log)
         warnings.warn(
             f"the last of {len(log)} corrections is {largest:.2g} standard deviations: more `iterations` would change "
             "the result",
@@ -263,7 +279,7 @@ def _estimate(problem: Problem, processed: Processed) -> tuple[Solution, dict[st
     """Solution (25) with (27), scale factors (26) if they are not in it, and the standard deviations of these."""
     H = problem.matrix
     if isinstance(H, str):
-        H = actual_matrix(processed, problem.g) if H == "actual" else model_matrix(problem.plan, problem.g)
+        H = actual_matrix(processed, problem.g) if H == "actual" else problem.model
     if problem.scale_factor == "pairs":
         solution = _solve(problem, H, processed.change, processed.change_variance, PARAMETERS)
         return solution, *_pairs(problem, processed)
@@ -283,7 +299,7 @@ def _solve(problem: Problem, H: Array, Z: Array, variance: Array, names: tuple[s
 def _pairs(problem: Problem, processed: Processed) -> tuple[dict[str, float], Array]:
     """Accelerometer scale factors (26), the mean over all tests that turn an axis upside down."""
     found, deviations = {}, []
-    for name, tests in upended(problem.plan).items():
+    for name, tests in problem.upended.items():
         sums = processed.slopes[tests, :, 2].sum(axis=1) / (2 * problem.g)
         found[name] = float(sums.mean())
         deviations.append(np.sqrt(processed.variances[tests, :, 2].sum()) / (2 * problem.g * len(tests)))
@@ -312,11 +328,10 @@ def _ideal(plan: tuple[TurnTest, ...]) -> Processed:
     )
 
 
-def _share(processed: Processed, errors: dict[str, float]) -> float:
-    """Part of a step after which no attitude at the end of a turn changes by more than `LARGEST_TILT`."""
+def _tilt(processed: Processed, errors: dict[str, float]) -> float:
+    """Largest change that a step makes to an attitude at the end of a turn, rad."""
     m = np.array([[errors[f"m_g_{k}{j}"] for j in (1, 2, 3)] for k in (1, 2, 3)])
-    tilts = np.linalg.norm(np.einsum("tikj,kj->ti", processed.projections, m), axis=-1)
-    return float(min(1.0, LARGEST_TILT / max(tilts.max(), np.finfo(float).tiny)))
+    return float(np.linalg.norm(np.einsum("tikj,kj->ti", processed.projections, m), axis=-1).max())
 
 
 def _require_no_growth(number: int, processed: Processed, smallest: float, gravity: float) -> float:
@@ -332,6 +347,16 @@ def _require_no_growth(number: int, processed: Processed, smallest: float, gravi
     return min(rms, smallest)
 
 
+def _require_progress(log: list[dict[str, float]]) -> None:
+    """``RuntimeError`` if several iterations have not come near a solution."""
+    if len(log) >= 4 and log[-1]["tilt"] > _NO_RESULT:
+        raise RuntimeError(
+            f"the calibration does not converge: the correction of iteration {len(log)} still turns an attitude by "
+            f"{log[-1]['tilt']:.3g} rad, that of the first by {log[0]['tilt']:.3g} rad. Is the matrix that of "
+            "the tests?"
+        )
+
+
 def _require_near(number: int, compensation: Compensation, start: Compensation) -> None:
     """``RuntimeError`` if a matrix has moved from the start by more than any calibration does."""
     for kind in ("gyro", "accelerometer"):
@@ -344,9 +369,7 @@ def _require_near(number: int, compensation: Compensation, start: Compensation) 
             )
 
 
-def _log_row(
-    processed: Processed, errors: dict[str, float], solution: Solution, share: float, largest: float
-) -> dict[str, float]:
+def _log_row(processed: Processed, errors: dict[str, float], solution: Solution) -> dict[str, float]:
     def rms(*names: str) -> float:
         return float(np.sqrt(np.mean([errors[name] ** 2 for name in names])))
 
@@ -356,8 +379,6 @@ def _log_row(
         "rms_m_g": rms(*PARAMETERS[3:12]),
         "rms_b_a": rms(*PARAMETERS[12:]),
         "rms_scale_factor_a": rms(*ACCELEROMETER_SCALE_FACTORS),
-        "largest_correction": largest,
-        "share": share,
         "chi_square": solution.chi_square,
         "condition": solution.condition,
     }

@@ -57,7 +57,7 @@ def finite_difference_matrix(processing: Processing, compensation: Compensation)
     columns = []
     for name in PARAMETERS:
         step = _STEPS[name[0]]
-        more, less = (processing.run(compensation.corrected({name: -s}), starts).change for s in (step, -step))
+        more, less = (processing.run(compensation.with_errors({name: s}), starts).change for s in (step, -step))
         columns.append((more - less) / (2 * step))
     return np.stack(columns, axis=-1)
 

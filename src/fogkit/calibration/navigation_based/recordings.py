@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogkit import checks
+from fogkit.imu.tables import IMU_COLUMNS
 from fogkit.navigation.increments import time_step, values
 from fogkit.stand.turn_tests import TurnTest
 from fogkit.units import DEG
@@ -153,7 +154,9 @@ def _moving(gyro: Array, dt: float) -> tuple[NDArray[np.bool_], int]:
 
 
 def _recording(table: "DataFrame", test: TurnTest, name: str, settle: float, dwells: str) -> Recording:
-    sums = values(table, name=name)
+    checks.columns(table, IMU_COLUMNS, name=name)
+    in_order = tuple(table.columns) == IMU_COLUMNS  # to select columns takes longer than to navigate them
+    sums = checks.finite_array(name, table.to_numpy()) if in_order else values(table, name=name)
     begin, dt = time_step(table, name=name)
     if abs(begin) > 0.5 * dt:
         raise ValueError(f"`{name}` must begin at 0 s, got {begin:.6g} s. Subtract the time at which the test begins.")
@@ -175,7 +178,7 @@ def _planned(test: TurnTest, dt: float, count: int, name: str) -> tuple[tuple[in
     """Steps of the dwells of the plan; ``ValueError`` if the recording is not as long as its test."""
     if abs(count * dt - test.duration) > max(2 * dt, 1e-6 * test.duration):
         (_, first), (second, end) = test.dwells
-        missing = "" if count * dt > second else f" The second dwell, from {second:g} to {end:g} s, is missing."
+        missing = "" if count * dt > second + dt else f" The second dwell, from {second:g} to {end:g} s, is missing."
         missing = missing or (f" The second dwell, to {end:g} s, is cut short." if count * dt < end else "")
         raise ValueError(
             f"`{name}` must be as long as its test, {test.duration:g} s, got {count * dt:.6g} s.{missing} A plan with "

@@ -33,8 +33,9 @@ class NavigationCalibration(FrozenArrays):
     log : DataFrame
         A row for each iteration: ``rms_z``, m/s^2, of the changes of slope (fig. 4 of the paper); ``rms_m_a``,
         ``rms_m_g``, ``rms_b_a`` (m/s^2) of the corrections (fig. 5), and ``rms_scale_factor_a``;
-        ``largest_correction`` in standard deviations; ``share`` of the step that was taken; ``chi_square``;
-        ``condition`` of the measurement matrix with columns of unit length.
+        ``chi_square``; ``condition`` of the measurement matrix with columns of unit length;
+        ``largest_correction`` in standard deviations; ``tilt``, rad, by which the full step turns an attitude;
+        ``share`` of the step that was taken.
     slopes : DataFrame
         Slopes ``east, north, up``, m/s^2, of both dwells of each test, and variances (24), in the last iteration.
     attitudes : ndarray, shape (tests, 2, 3, 3)

@@ -15,7 +15,13 @@ module              answers
 `conditioning`      how well is the plan conditioned, how many turns does it need, (28)?
 `estimates`         what do gyro bias and start attitude really do, (32)-(35)?
 `tables`            what can be said of tables 1 and 2?
-`confidence`        what can chi-square see, which cells of table 1 hang together, what if the noise is another?
+`trials`            which unit, on which table, is calibrated in the experiments?
+`convergence`       how does the iteration converge, with which matrix (figures 2 to 5)?
+`bias_sources`      what do size effect, delays, gyro biases and the start do to the result?
+`gyro_bias_test`    what do (29)-(31) find (figure 6)?
+`roughness_map`     how rough may the table be, for which matrix?
+`verdicts`          do the claims in words hold in the experiments?
+`confidence`        what can chi-square see, what hangs together in table 1, and if the noise is another?
 ==================  =====================================================================================
 """
 
@@ -24,37 +30,51 @@ from typing import Any
 
 import numpy as np
 
+from fogkit.calibration.navigation_based import turns_needed
 from fogkit.calibration.navigation_based.turn_model import MISALIGNED_WITH, PARAMETERS
 from fogkit.claims import Proof
 from fogkit.reproduction.klimkovich import (
+    bias_sources,
     conditioning,
+    convergence,
     derivation,
     estimates,
+    gyro_bias_test,
     ideas,
     paper,
     plan_search,
     regression,
+    roughness_map,
     tables,
+    trials,
+    verdicts,
 )
 from fogkit.stand.turn_tests import nine_tests
 from fogkit.units import ARCSEC, CENTIMETRE, DEG, MINUTE
 
 __all__ = [
+    "bias_sources",
     "conditioning",
+    "convergence",
     "derivation",
     "estimates",
+    "gyro_bias_test",
     "ideas",
     "paper",
     "plan_search",
     "regression",
+    "roughness_map",
     "tables",
+    "trials",
     "values",
+    "verdicts",
 ]
 
 
 def values() -> dict[str, Callable[[], Any] | Any]:
     """What computes each row of the ledger, by row id; see `fogkit.claims`."""
     rows = _introduction() | _equations() | _statistics() | _plan() | _appendix() | _table_1() | _table_2() | _errors()
+    rows |= _experiments()
     return {f"klimkovich-{name}": value for name, value in rows.items()}
 
 
@@ -124,7 +144,7 @@ def _eq28() -> Proof:
     deviations = {turns: conditioning.scale_factor_deviation(turns) for turns in range(1, 9)}
 
     def holds(printed: bool, tolerance: float) -> bool:
-        needed = [conditioning.turns_needed(deviation, printed=printed) for deviation in deviations.values()]
+        needed = [turns_needed(1.0, deviation, gravity=1.0, printed=printed) for deviation in deviations.values()]
         return bool(np.allclose(needed, list(deviations), rtol=0, atol=tolerance))
 
     return Proof(printed=holds(True, 0.5), corrected=holds(False, 1e-9))
@@ -232,6 +252,37 @@ def _errors() -> dict:
         "eq35-value": lambda: estimates.angle_of_start() / ARCSEC,
         "model-start": lambda: max(row["both"] for row in estimates.start_effects().values()) < _conceded(),
         "second-degree": _second_degree_shows_bias,
+    }
+
+
+def _experiments() -> dict:
+    """Claims in words that take recordings."""
+    return {
+        "abs-residual": verdicts.actual_matrix_is_more_accurate,
+        "abs-iterations": verdicts.actual_matrix_is_faster,
+        "abs-rough": verdicts.calibrates_to_table_1,
+        "intro-conditioning": ideas.more_states_are_worse,
+        "intro-model-bias": verdicts.model_matrix_is_biased,
+        "differences-delays": verdicts.delays_do_not_enter,
+        "differences-size": verdicts.size_effect_does_not_enter,
+        "angles-actual": verdicts.computed_turns_become_true,
+        "model-systematic": verdicts.model_matrix_is_biased,
+        "table-errors": verdicts.table_shows_in_a_rotation_only,
+        "fig2-slopes": verdicts.slopes_differ_at_first,
+        "fig3-slopes": verdicts.slopes_agree_at_last,
+        "fig3-oscillations": verdicts.oscillations_are_size_effect_and_delays,
+        "fig4-faster": verdicts.actual_matrix_is_faster,
+        "fig4-floor": verdicts.actual_matrix_has_the_lower_floor,
+        "fig5-flat": verdicts.corrections_flat_from,
+        "fig5-arithmetic": verdicts.corrections_end_in_rounding,
+        "fig5-floor-n": verdicts.first_iteration_without_fall,
+        "bias-heading": verdicts.heading_drops_out_of_the_biases,
+        "start-from-dwell": verdicts.levelling_removes_the_tilt,
+        "concl-delays": lambda: verdicts.delays_do_not_enter() and verdicts.size_effect_does_not_enter(),
+        "concl-actual": verdicts.computed_turns_become_true,
+        "concl-table": verdicts.table_shows_in_a_rotation_only,
+        "concl-algorithm": verdicts.algorithm_adds_a_small_error,
+        "concl-works": verdicts.calibration_works,
     }
 
 

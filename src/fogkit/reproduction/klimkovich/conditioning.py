@@ -93,24 +93,13 @@ def ranks_of_the_printed_plan() -> dict[str, int]:
 
 
 def scale_factor_deviation(turns: int) -> float:
-    """Standard deviation of a gyro scale factor by the plan with n whole turns, all measurements of variance g^2."""
+    """Standard deviation of a gyro scale factor by the covariance of the plan with n whole turns.
+
+    All measurements have the variance g^2. `fogkit.calibration.navigation_based.turns` has it in closed form.
+    """
     H = plan_search.measurement_matrix(chained_plan((1, 2, 1), turns))
     column = turn_model.PARAMETERS.index("m_g_11")
     return float(np.sqrt(np.linalg.inv(H.T @ H)[column, column]))
-
-
-def turns_needed(deviation: float, *, printed: bool = False) -> float:
-    """Whole turns for a standard deviation of a gyro scale factor in units of that of a measurement over gravity: (28).
-
-    Parameters
-    ----------
-    deviation : float
-        Wanted standard deviation times gravity over that of a measurement.
-    printed : bool, optional
-        Whether to take the print, else what the plan gives.
-    """
-    deviation = checks.positive("deviation", deviation)
-    return 1 / (2 * np.pi * deviation) if printed else 1 / (2 * np.sqrt(3) * np.pi * deviation) - 1 / 3
 
 
 def sight_of_scale_factor(elevation: float) -> float:

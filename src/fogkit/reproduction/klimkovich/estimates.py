@@ -153,7 +153,8 @@ def slope_error(
     Notes
     -----
     ``theta' = C b - omega_in x theta - d(omega_in)`` and ``v' = theta x (0, 0, g)``, by Runge and Kutta; the velocity
-    is set to zero at the end of the turn, as the paper does.
+    is set to zero at the end of the turn, as the paper does. The heading that the velocity adds is left out: it would
+    act on the level by the Earth rate, in second order.
     """
     degree = checks.integer("degree", degree, minimum=1)
     gravity = float(normal_gravity(lat))
@@ -163,7 +164,6 @@ def slope_error(
     A[3, 1], A[4, 0] = gravity, -gravity
     if schuler:
         A[0, 4], A[1, 3] = 1 / radius_meridian(lat), -1 / radius_transverse(lat)
-        A[2, 3] = -np.tan(lat) / radius_transverse(lat)
     bias = checks.finite_array("gyro_bias", gyro_bias, shape=(3,))
     state = np.concatenate([checks.finite_array("start", start, shape=(3,)), np.zeros(2)])
     slopes = []

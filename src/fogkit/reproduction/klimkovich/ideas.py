@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from fogkit.calibration.navigation_based import turn_model
 from fogkit.constants import EARTH_RATE
 from fogkit.earth import earth_rate_n, gravity_n
+from fogkit.imu.size_effect import SizeEffect
 from fogkit.navigation import State, integrate_arrays
 from fogkit.reproduction.klimkovich import plan_search
 from fogkit.reproduction.klimkovich.estimates import LATITUDE
@@ -164,6 +165,22 @@ def east_and_north_are_independent() -> bool:
     return all(abs((C @ variances @ C.T)[0, 1]) < _ROUNDING for C in attitudes)
 
 
+def more_states_are_worse() -> bool:
+    """Whether states that are estimated besides never improve the condition, or lessen the variance of the others.
+
+    For any measurement, since columns that are added can only lessen the smallest singular value and raise the largest:
+    tried on the rows of the plan with random columns besides.
+    """
+    rng = np.random.default_rng(9)
+    H = plan_search.measurement_matrix()
+    for count in (1, 2, 3):
+        wider = np.hstack([H, rng.normal(size=(len(H), count))])
+        variances = [np.diag(np.linalg.inv(M.T @ M))[: H.shape[1]] for M in (H, wider)]
+        if np.linalg.cond(wider) < np.linalg.cond(H) or (variances[1] < variances[0] * (1 - 1e-9)).any():
+            return False
+    return True
+
+
 def turn_of_a_dwell() -> float:
     """Angle, rad, by which Schuler's oscillation and the Earth turn anything in a dwell, the larger."""
     from fogkit.reproduction.klimkovich.estimates import schuler_frequencies
@@ -178,20 +195,20 @@ def unknowns_of_size_effect(centres: int) -> int:
 
 
 def visible_of_size_effect(centres: int) -> int:
-    """How many of them change the readings of an arbitrary motion.
+    """How many of them change the readings of an arbitrary motion, by `fogkit.imu.size_effect.SizeEffect`.
 
-    A single centre feels the tangential and the centripetal acceleration of its place. Of two, one feels the tangential
-    acceleration and the other the centripetal one; the tangential acceleration along the axis of an accelerometer does
-    not depend on how far along that axis the centre lies.
+    The tangential acceleration along the axis of an accelerometer does not depend on how far along it the centre lies.
     """
     rng = np.random.default_rng(4)
-    rows = []
-    for rate, acceleration in rng.normal(size=(12, 2, 3)):
-        tangential = np.cross(acceleration, np.eye(3)).T  # matrix that takes a lever arm to its acceleration
-        centripetal = np.outer(rate, rate) - rate @ rate * np.eye(3)
-        parts = [tangential + centripetal] if centres == 1 else [tangential, centripetal]
-        for axis in range(3):
-            row = np.zeros((3, len(parts), 3))
-            row[axis] = [part[axis] for part in parts]
-            rows.append(row.ravel())
-    return int(np.linalg.matrix_rank(np.array(rows), tol=1e-9))
+    steps = np.eye(9 * centres).reshape(-1, centres, 3, 3)
+    columns = []
+    rates, accelerations = rng.normal(size=(2, 12, 3))
+    for step in steps:
+        effect = (
+            SizeEffect(acceleration_centres=step[0], velocity_centres=step[1])
+            if centres == 2
+            else SizeEffect.one_point(step[0])
+        )
+        added = effect.added_force(accelerations, rates[:, :, None] * rates[:, None, :])
+        columns.append(np.diagonal(added, axis1=-2, axis2=-1).ravel())  # along each accelerometer's own axis
+    return int(np.linalg.matrix_rank(np.array(columns).T, tol=1e-9))

@@ -180,10 +180,7 @@ def _responses(kind: str, still: int, turning: int, dt: float) -> tuple[Array, A
         added = np.tril(np.full((steps, steps), dt))  # velocity random walk
         if kind == "angle random walk":
             added = added @ np.tril(np.full((steps, steps), dt))
-    after = added[still + turning :]
-    if kind != "white velocity":
-        after = after - added[still + turning - 1]  # set to zero
-    return added[:still], after
+    return added[:still], added[still + turning :]  # setting the velocity to zero changes no slope
 
 
 def residuals_tell_the_slope(kind: str) -> bool:

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogkit.calibration.navigation_based.turn_model import PARAMETERS
-from fogkit.earth import normal_gravity
+from fogkit.earth import earth_rate_n, normal_gravity
 from fogkit.reproduction.klimkovich import paper, plan_search
 from fogkit.reproduction.klimkovich.estimates import LATITUDE
-from fogkit.units import ARCSEC, PPM
+from fogkit.units import ARCSEC, DEG, PPM
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -222,6 +222,27 @@ def table_2_statistics() -> dict[str, float]:
         "mean": float(errors.mean()),
         "rms": float(np.sqrt(np.mean(errors**2))),
         "deviation": float(errors.std(ddof=1)),
+    }
+
+
+def table_2_harmonic() -> dict[str, float]:
+    """What a constant bias of the level gyros would make of table 2: one period over the azimuths, by least squares.
+
+    Returns
+    -------
+    dict
+        "amplitude", deg; "share" of the sum of squares, 2/7 on average if there is noise alone; and "walk",
+        rad/sqrt(s), the angle random walk that makes the printed scatter in five minutes at `LATITUDE`.
+    """
+    angles = np.array(list(paper.TABLE_2)) * DEG
+    errors = np.array(list(paper.TABLE_2.values()))
+    cosine, sine = (2 / len(errors) * (errors @ wave(angles)) for wave in (np.cos, np.sin))
+    amplitude = float(np.hypot(cosine, sine))
+    scatter = table_2_statistics()["deviation"] * DEG * float(earth_rate_n(LATITUDE)[1])
+    return {
+        "amplitude": amplitude,
+        "share": float(len(errors) / 2 * amplitude**2 / (errors @ errors)),
+        "walk": scatter * float(np.sqrt(paper.GYROCOMPASSING_TIME)),
     }
 
 
