@@ -22,6 +22,7 @@ module              answers
 `roughness_map`     how rough may the table be, for which matrix?
 `verdicts`          do the claims in words hold in the experiments?
 `chapters`          what does each step of the iteration leave, with which matrix, on which table?
+`confidence`        what can chi-square see, what hangs together in table 1, and if the noise is another?
 ==================  =====================================================================================
 """
 
