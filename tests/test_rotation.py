@@ -262,3 +262,9 @@ def test_takes_arrays_that_cannot_be_written_to():
 def test_error_names_the_argument(call, name):
     with pytest.raises(ValueError, match=f"^`{name}` must be"):
         call()
+
+
+def test_rotation_vectors_that_cannot_be_written_to_are_taken():
+    kept = np.array([0.1, -0.2, 0.3])
+    kept.setflags(write=False)
+    assert_allclose(rotation.dcm_from_rotvec(kept), Rotation.from_rotvec([0.1, -0.2, 0.3]).as_matrix(), rtol=0)

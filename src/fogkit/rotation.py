@@ -108,8 +108,8 @@ def dcm_from_rotvec(rotvec: ArrayLike) -> Array:
     array([0., 1., 0.])
     """
     rotvec = checks.finite_array("rotvec", rotvec, shape=(..., 3))
-    rows = np.array(rotvec.reshape(-1, 3))  # SciPy refuses arrays that cannot be written to
-    return Rotation.from_rotvec(rows).as_matrix().reshape(*rotvec.shape, 3)
+    own = np.array(rotvec.reshape(-1, 3))  # SciPy takes none that cannot be written to
+    return Rotation.from_rotvec(own).as_matrix().reshape(*rotvec.shape, 3)
 
 
 def rotvec_from_dcm(C: ArrayLike) -> Array:

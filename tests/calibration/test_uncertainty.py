@@ -1,5 +1,6 @@
 """Noise of the slopes: closed forms of short steps, plain sums of drawn increments, and the navigation itself."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -159,6 +160,34 @@ def test_plain_sums_of_drawn_increments(degree):
     velocity[:, steps.turn_end + 1 :] -= velocity[:, steps.turn_end, None]
     samples = fitted_slopes(velocity, steps, degree)
     assert_covariance_of(samples, slope_covariance(TEST, STEP, MIXED, degree=degree))
+
+
+def test_few_steps_exactly_by_the_answer_to_each_increment():
+    # white errors: the covariance is that of the answers to unit errors, one sensor and step at a time
+    test = replace(TEST, dwell=5.0, turn_duration=3.0, dwell_after=6.0)
+    steps = Steps.of(test, 1.0)
+    noise = SensorNoise(
+        gyros=[RandomErrors(angle_random_walk=n * 1e-6) for n in (1, 2, 3)],
+        accelerometers=[RandomErrors(angle_random_walk=n * 1e-6) for n in (30, 10, 20)],
+    )
+    unit = np.einsum("kij,rkj->rki", steps.C_b_n, np.eye(steps.count * 3).reshape(-1, steps.count, 3))
+    tilt = np.cumsum(unit, axis=1) - unit / 2
+    expected = np.zeros((6, 6))
+    for gained, sensors in ((STANDARD_GRAVITY * np.cross(tilt, [0, 0, 1]), noise.gyros), (unit, noise.accelerometers)):
+        velocity = np.concatenate([np.zeros((len(unit), 1, 3)), np.cumsum(gained, axis=1)], axis=1)
+        answers = fitted_slopes(velocity, steps, 1).reshape(steps.count, 3, 6)
+        squares = [one.angle_random_walk**2 for one in sensors]
+        expected += np.einsum("kam,kan,a->mn", answers, answers, squares)
+    assert_allclose(slope_covariance(test, 1.0, noise), expected, rtol=1e-9, atol=1e-12 * expected.max())
+
+
+def test_vertical_slopes_stand_behind_all_level_ones():
+    plan = nine_tests(**SHORT)[:2]
+    whole = plan_covariance(plan, STEP, MIXED, scale_factors=True)
+    assert_allclose(whole[:4, :4], plan_covariance(plan, STEP, MIXED))
+    for n, test in enumerate(plan):
+        up = slope_covariance(test, STEP, MIXED)[np.ix_([2, 5], [2, 5])]
+        assert_allclose(whole[4 + 2 * n : 6 + 2 * n, 4 + 2 * n : 6 + 2 * n], up)
 
 
 def test_velocity_carried_through_the_turn():

@@ -61,3 +61,11 @@ def test_formula_27_is_wrong_by_what_is_predicted_for_random_walks(runs):
     assert_allclose(observed, predicted.true / predicted.stated, rtol=0.25)
     assert (observed > 30).all()
     assert chosen.chi_square.mean() > 1000 * chosen.degrees_of_freedom.mean()  # so the chi-square does show it
+
+
+def test_delays_between_gyros_are_left_in_by_the_differences_and_the_size_effect_is_not():
+    table = campaigns.left_out(["gyro_delay", "size_effect"])
+    assert table.loc["gyro_delay", "paper_misalignment_arcsec"] > 0.3
+    assert table.loc["size_effect", "paper_misalignment_arcsec"] < 0.05
+    assert (table["batch_misalignment_arcsec"] < 0.01).all()
+    assert (table["paper_chi_square"] < 1).all()  # one recording would not tell

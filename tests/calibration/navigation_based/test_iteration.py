@@ -91,6 +91,17 @@ def test_start_error_biases_by_the_rotation_of_the_earth(case):
     assert np.linalg.norm(-found[:12] - expected[:12]) < 0.05 * np.linalg.norm(expected[:12])
 
 
+def test_parabola_removes_what_the_earth_makes_of_a_wrong_start(case):
+    # all but the Schuler part: (g / R) times the times of the test squared, a fifth of the Earth's
+    tilts = 2e-3 * np.random.default_rng(2).normal(size=(9, 3))
+    starts = dcm_from_rotvec(tilts) @ case.starts
+    changes = {}
+    for degree in (1, 2):
+        options = {"initial_attitude": starts, "degree": degree}
+        changes[degree] = prepare(case.recordings, case.plan, case.latitude, **options).run(case.truth.gauged()).change
+    assert np.linalg.norm(changes[2]) < 0.3 * np.linalg.norm(changes[1])
+
+
 def test_level_and_heading_of_the_start_in_three_ways(case):
     errors = {}
     for start in ("model", "levelled", "carried"):

@@ -15,11 +15,11 @@ module              answers
 `matrix`            how do the changes of slope follow from the errors: by rotations, plan, or trial?
 `iteration`         which parameters make the changes of slope vanish?
 `results`           the record that comes back
-`batch`             what do the fifteen parameters leave out? 59 states from the same recordings
 `turns`             how many whole turns does a scale factor need?
 `axes`              what are the axes of the table, and the calibration in them?
 `gyro_bias`         what are the gyro biases, from half a turn about the vertical?
 `azimuth`           where is north, by calibrated gyros at rest?
+`batch`             what do the fifteen parameters leave out? 59 states from the same recordings
 ==================  =====================================================================================
 """
 

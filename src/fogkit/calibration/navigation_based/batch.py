@@ -261,14 +261,17 @@ class _Test:
         parts = self.start
         dtheta = advanced(self.gyro, "gyro") @ np.swapaxes(matrix("g", parts.gyro_matrix), -1, -2)
         dtheta += bias("g", parts.gyro_bias)
-        dv = advanced(self.accel, "accel") @ np.swapaxes(matrix("a", parts.accelerometer_matrix), -1, -2)
-        dv += bias("a", parts.accelerometer_bias)
+        M = matrix("a", parts.accelerometer_matrix)
+        read = advanced(self.accel, "accel")
         if any(states[name].any() for name in SIZES):
+            rows = np.linalg.inv(M)  # what each accelerometer reads of a force
             change = np.gradient(dtheta, axis=1) / self.dt  # of the rate in a step
             for sensor, letter in enumerate("yz", start=1):
                 centre = np.stack([states[f"centre_{letter}_{axis}"] for axis in AXES], axis=-1)[:, None, :]
-                spin = np.cross(dtheta, np.cross(dtheta, centre)) / self.dt
-                dv[..., sensor] -= (np.cross(change, centre) + spin)[..., sensor]
+                added = np.cross(change, centre) + np.cross(dtheta, np.cross(dtheta, centre)) / self.dt
+                read[..., sensor] -= np.einsum("rki,ri->rk", added, rows[:, sensor])
+        dv = read @ np.swapaxes(M, -1, -2)
+        dv += bias("a", parts.accelerometer_bias)
         return dtheta, dv
 
 

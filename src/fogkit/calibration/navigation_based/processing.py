@@ -103,7 +103,7 @@ class Processing:
     ) -> None:
         self.recordings = tuple(recordings)
         self._place = {"lat": latitude, "alt": altitude}
-        self.gravity, self._corrections = gravity, corrections
+        self.gravity, self._corrections, self._degree = gravity, corrections, degree
         self._raw_forces = np.stack([recording.forces for recording in recordings])
         self._levelled = isinstance(starts, str) and starts != "model"
         planned = np.stack([recording.test.C_b_n for recording in recordings])
@@ -164,8 +164,19 @@ class Processing:
         attitudes = Rotation.from_quat(nodes.reshape(-1, 4)).as_matrix().reshape(len(tests), 3, 3, 3)
         found.attitudes[tests], found.ends[tests] = attitudes[:, :2], attitudes[:, 2]
         for dwell, ((first, last), fit) in enumerate(zip(batch.dwells, batch.fits, strict=True)):
-            slopes = fit(trajectory.v_eb_n[:, first + 1 : last + 1])
-            found.slopes[tests, dwell], found.variances[tests, dwell] = slopes
+            velocity = trajectory.v_eb_n[:, first : last + 1]
+            if self._degree > 1:
+                velocity = velocity + self._coriolis(velocity, batch.dt)
+            found.slopes[tests, dwell], found.variances[tests, dwell] = fit(velocity[:, 1:])
+
+    def _coriolis(self, velocity: Array, dt: float) -> Array:
+        """What the Coriolis term has taken from the velocity, shape (tests, k, 3), since it was zero at the first node.
+
+        It grows anew in each dwell, so beyond a dwell, where a parabola is continued to, it would be another one.
+        """
+        moved = np.zeros_like(velocity)
+        np.cumsum(0.5 * dt * (velocity[:, 1:] + velocity[:, :-1]), axis=1, out=moved[:, 1:])
+        return 2 * np.cross(earth.earth_rate_n(self._place["lat"]), moved)
 
 
 def prepare(

@@ -5,7 +5,9 @@ the slopes of the two dwells differ by its growth from middle to middle, though 
 parabola the slope can be had at any instant. Here it is that in the middle of the turn, for both dwells: a tilt that
 grows at a constant rate in n, as the Earth's rotation makes it of a wrong start, or as the bias of the gyro along the
 axis of the turn does, then drops out of the difference. Biases of the two gyros across the axis turn with the unit and
-stay in by half of the sum of their two rates times the duration of the turn.
+stay in by half of the sum of their two rates times the duration of the turn. The Coriolis term, which follows the
+velocity and so begins anew with it in each dwell, is taken out before a parabola is laid (`processing`): continued to
+the turn it would be twice what was to be removed.
 
 The price is noise: from dwells of 10 s to the middle of a turn of 15 s, ten times that of the mean slope. So a parabola
 serves to see whether there is a growth (as the paper has it), and a straight line to calibrate.

@@ -2,11 +2,13 @@
 
 `noise_runs` makes what is stored in ``data/derived/klimkovich_noise_runs.csv``: the call is in its docstring. The unit
 stands on a rough table without shock absorbers; the attitudes at the start are the true ones and the iteration sets out
-from the truth, so that nothing but noise makes an error.
+from the truth, so that nothing but noise makes an error. `left_out` does the opposite: no noise, and one effect at a
+time that the paper's fifteen parameters do not know.
 """
 
 from collections.abc import Iterable
 from concurrent.futures import Executor
+from dataclasses import replace
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
@@ -14,16 +16,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fogkit import checks
-from fogkit.calibration.navigation_based import Compensation, calibrate, differences
+from fogkit.calibration.navigation_based import Compensation, batch, calibrate, differences
 from fogkit.calibration.turn_plans import TableLimits, candidates, optimise
 from fogkit.calibration.uncertainty import plan_covariance
 from fogkit.calibration.velocity_noise import SensorNoise
 from fogkit.campaign import map_cases
+from fogkit.imu.size_effect import SizeEffect
 from fogkit.imu.triads import LinearTriad
 from fogkit.imu.unit import MeasurementUnit, Sensors
 from fogkit.noise import RandomErrors
 from fogkit.stand.rough_table import RoughTable
-from fogkit.stand.turn_recordings import ExactInputs, exact_inputs
+from fogkit.stand.turn_motion import TurnMotion
+from fogkit.stand.turn_recordings import ExactInputs, exact_inputs, record
 from fogkit.stand.turn_tests import TurnTest, nine_tests
 from fogkit.units import ARCSEC, DEG, DEG_PER_HOUR, DEG_PER_SECOND_SQUARED, DEG_PER_SQRT_HOUR, MICRO_G, MILLI_G, PPM
 
@@ -163,6 +167,75 @@ def noise_runs(
         for seed in seeds
     ]
     return pd.DataFrame(map_cases(noise_run, cases, executor=executor, progress=progress))
+
+
+EFFECTS = ("nothing", "start", "gyro_bias", "gyro_delay", "accelerometer_delay", "size_effect")
+"""What `left_out` plants: a start off by the table's roughness; 0.1 deg/h; 0.1 ms between gyros; 0.5 ms; 3 cm."""
+
+
+def left_out(effects: Iterable[str] = EFFECTS) -> "DataFrame":
+    """Errors that each effect outside of the fifteen parameters makes, alone and without noise.
+
+    Parameters
+    ----------
+    effects : iterable of str, optional
+        Any of `EFFECTS`. In all but "start" the attitudes at the start are the true ones. The iteration sets out from
+        the truth, gyro biases excepted, which keeps the axes of the unit where the attitudes are meant.
+
+    Returns
+    -------
+    DataFrame
+        One row for each effect. For the paper's method and for the batch estimate: the largest error of a gyro's
+        misalignment, arcsec, and of its scale factor, ppm, and of an accelerometer's bias, micro-g; for the paper's
+        also chi-square with the noise of ``NOISE["walk"]``, of 18 degrees of freedom, which shows whether the residuals
+        of one recording would tell.
+    """
+    import pandas as pd
+
+    rows = {}
+    for effect in effects:
+        unit, motions = _planted(checks.option("effects", effect, EFFECTS))
+        tests, truth = plan_of("paper"), Compensation.from_unit(unit)
+        tables = record(unit, motions, RATE)
+        starts = np.stack(
+            [test.C_b_n if effect == "start" else m.C_b_n(0.0) for test, m in zip(tests, motions, strict=True)]
+        )
+        covariance = plan_covariance(tests, 1 / RATE, NOISE["walk"], scale_factors=True)
+        known = {"initial_attitude": starts, "start": replace(truth, gyro_bias=np.zeros(3))}
+        paper = calibrate(tables, tests, LATITUDE, noise=covariance, scale_factor="all", iterations=6, **known)
+        whole = batch.estimate(tables, tests, LATITUDE, NOISE["walk"], **known)
+        found = {}
+        for method, result in (("paper", paper), ("batch", whole)):
+            errors = differences(result.compensation, truth)
+            for group, (names, unit_size) in _GROUPS.items():
+                found[f"{method}_{group}"] = max(abs(errors[name]) for name in names) / unit_size
+        rows[effect] = found | {"paper_chi_square": paper.solution.chi_square}
+    return pd.DataFrame.from_dict(rows, orient="index").rename_axis("effect")
+
+
+_GROUPS = {
+    "misalignment_arcsec": ([f"m_g_{i}{j}" for i in (1, 2, 3) for j in (1, 2, 3) if i != j], ARCSEC),
+    "scale_factor_ppm": ([f"m_g_{i}{i}" for i in (1, 2, 3)], PPM),
+    "bias_micro_g": ([f"b_a_{i}" for i in (1, 2, 3)], MICRO_G),
+}
+
+
+def _planted(effect: str) -> tuple[MeasurementUnit, tuple[TurnMotion, ...]]:
+    """Unit with one effect, and how the table turns it; biases of gyros only where they are the effect."""
+    rng = np.random.default_rng(2022)
+    gyros = _sensors(rng, 0.0, RandomErrors())
+    accelerometers = _sensors(rng, 1 * MILLI_G, RandomErrors())
+    size = SizeEffect()
+    if effect == "gyro_bias":
+        gyros = replace(gyros, triad=replace(gyros.triad, bias=0.1 * DEG_PER_HOUR * np.array([1.0, -1.0, 1.0])))
+    elif effect == "gyro_delay":
+        gyros = replace(gyros, delay=(0.0, 1e-4, -1e-4))
+    elif effect == "accelerometer_delay":
+        accelerometers = replace(accelerometers, delay=(5e-4, 5e-4, 5e-4))
+    elif effect == "size_effect":
+        size = SizeEffect.one_point(0.03 * np.eye(3))
+    unit = MeasurementUnit(gyros=gyros, accelerometers=accelerometers, size_effect=size)
+    return unit, RoughTable.typical(LATITUDE, absorber=None).motions(plan_of("paper"), rng)
 
 
 def _sensors(rng: np.random.Generator, bias: float, random: RandomErrors) -> Sensors:
