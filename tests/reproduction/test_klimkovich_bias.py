@@ -123,10 +123,12 @@ def test_biases_in_turns():
 
 @pytest.mark.slow
 def test_all_states_at_once():
-    found = remedies.everything(noisy=False)
-    before, after = (found.trial.errors(c) for c in (found.fifteen, found.states.compensation))
-    for quantity in ("gyro_angle_arcsec", "accelerometer_scale_ppm", "accelerometer_bias_um_s2"):
-        assert after[quantity] < before[quantity] / 5
+    # the headings of the starts are hardly seen: a prior of 1 deg holds them, and part of their effect, back
+    for prior, share in (({}, 0.5), ({"start_up": 1.0}, 0.05)):
+        found = remedies.everything(noisy=False, prior=prior)
+        before, after = (found.trial.errors(c) for c in (found.fifteen, found.states.compensation))
+        for quantity in ("gyro_angle_arcsec", "accelerometer_scale_ppm", "accelerometer_bias_um_s2"):
+            assert after[quantity] < share * before[quantity]
 
 
 # Gyro biases and table 2

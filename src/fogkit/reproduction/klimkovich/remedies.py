@@ -9,7 +9,7 @@ The sources themselves are in `fogkit.reproduction.klimkovich.bias_sources`, one
 - all at once, with noise: 59 states in place of 15 (`everything`).
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
@@ -200,8 +200,18 @@ class Everything:
     states: batch.BatchCalibration
 
 
-def everything(seed: int = 1, *, noisy: bool = True) -> Everything:
-    """A unit with delays, size effect and gyro biases on a rough table, by 15 parameters and by 59 states."""
+def everything(seed: int = 1, *, noisy: bool = True, prior: Mapping[str, float] | None = None) -> Everything:
+    """A unit with delays, size effect and gyro biases on a rough table, by 15 parameters and by 59 states.
+
+    Parameters
+    ----------
+    seed : int, optional
+        Of the trial.
+    noisy : bool, optional
+        Whether its recordings have noise; the weights of the states assume it in any case.
+    prior : mapping of str to float, optional
+        As of `fogkit.calibration.navigation_based.batch.estimate`.
+    """
     centres = np.random.default_rng([seed, 4]).normal(0, 0.02, (3, 3))
     trial = Trial(
         seed=seed,
@@ -212,4 +222,5 @@ def everything(seed: int = 1, *, noisy: bool = True) -> Everything:
         size_effect=SizeEffect.one_point(centres),
     )
     fifteen = trial.calibrated(iterations=ITERATIONS).compensation
-    return Everything(trial, fifteen, batch.estimate(trial.recordings, trial.plan, LATITUDE, NOISE, start=fifteen))
+    states = batch.estimate(trial.recordings, trial.plan, LATITUDE, NOISE, start=fifteen, prior=prior)
+    return Everything(trial, fifteen, states)
