@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 from fogkit import plotting
 from fogkit.optics import systems
 from fogkit.reproduction.miklyashev import FIGURE_1_ACCELERATION, SIMULATED, make_gyro
+from fogkit.stand.turn_tests import nine_tests
 
 
 @pytest.fixture(autouse=True)
@@ -61,3 +62,23 @@ def test_a_legend_below_hides_no_data_and_axes_passed_in_are_used():
     assert ax is mine
     assert len(ax.figure.legends) == 1
     assert not overlaps(ax.figure.legends[0], ax)
+
+
+def test_plan_shows_both_attitudes_of_each_test():
+    plan = nine_tests()
+    axes = plotting.turn_plan(plan).ravel()
+    assert [ax.texts[-1].get_text() == "" for ax in axes] == [True] * 9  # the arrow between the two
+    captions = [text.get_text() for text in axes[1].texts if "°" in text.get_text()]
+    assert captions == ["2:  1980°"]
+    tips = [text.xy for text in axes[6].texts if isinstance(text, mpl.text.Annotation)][:6]
+    # test 7: x east, y down, z north before; x down, y west, z north after
+    north = np.array([0.5, 0.36])
+    assert_allclose(tips[:3], [(1, 0), (0, -1), north])
+    assert_allclose(np.array(tips[3:]) - np.array(tips[5]), [(0, -1) - north, (-1, 0) - north, (0, 0)], atol=1e-12)
+
+
+def test_entries_are_drawn_with_rings_where_marked():
+    values = np.arange(6.0).reshape(2, 3)
+    ax = plotting.entries(values, [(1, 2)])
+    assert_allclose(ax.images[0].get_array(), values)
+    assert [tuple(line.get_xydata()[0]) for line in ax.lines] == [(2, 1)]  # column, row

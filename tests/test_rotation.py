@@ -238,6 +238,12 @@ def test_angles_broadcast():
         rotation.dcm_from_heading_pitch_roll(np.zeros(4), np.zeros(5), 0.0)
 
 
+def test_takes_arrays_that_cannot_be_written_to():
+    rotvec = np.array([0.1, 0.2, 0.3])
+    rotvec.setflags(write=False)
+    assert_allclose(rotation.dcm_from_rotvec(rotvec) @ rotvec, rotvec, rtol=0, atol=ROUNDING)
+
+
 @pytest.mark.parametrize(
     ("call", "name"),
     [

@@ -3,7 +3,7 @@
 Every function takes axes or makes them, and returns them. `use_style` sets the look of the book's figures.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import matplotlib.pyplot as plt
@@ -15,7 +15,8 @@ from fogkit.optics import interferometer, simulate
 from fogkit.optics.gyro import ClosedLoopGyro
 from fogkit.optics.loop import Loop
 from fogkit.optics.motion import Ramp
-from fogkit.units import DEG_PER_HOUR, DEG_PER_SECOND, MICROSECOND
+from fogkit.stand.turn_tests import TurnTest
+from fogkit.units import DEG, DEG_PER_HOUR, DEG_PER_SECOND, MICROSECOND
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -201,4 +202,73 @@ def allan(
     ax.set(xscale="log", yscale="log", xlabel="averaging time, s", ylabel="Allan deviation, deg/h")
     ax.set_ylim(bottom, 4 * float(result.deviation.max()) / DEG_PER_HOUR)  # the last bars may be a decade longer
     below(ax)
+    return ax
+
+
+def turn_plan(plan: Sequence[TurnTest], columns: int = 3) -> "np.ndarray":
+    """Axes of a unit before and after each test of a plan, seen from above and from the south.
+
+    Parameters
+    ----------
+    plan : sequence of TurnTest
+        Tests.
+    columns : int, optional
+        Pictures side by side.
+
+    Returns
+    -------
+    ndarray of matplotlib.axes.Axes
+        One for each test; the axis of the turn is drawn thick.
+    """
+    rows = -(-len(plan) // columns)
+    fig, axes = plt.subplots(rows, columns, figsize=(7.2, 1.45 * rows), squeeze=False)
+    directions = {"E": np.eye(3)[0], "N": np.eye(3)[1], "U": np.eye(3)[2]}
+    seen = np.array([[1.0, 0.5, 0.0], [0.0, 0.36, 1.0]])  # east to the right, north to the back, up
+    for ax in axes.ravel():
+        ax.set(xlim=(-1.5, 4.8), ylim=(-2.1, 1.4), aspect="equal")
+        ax.axis("off")
+    for ax, test in zip(axes.ravel(), plan, strict=False):
+        for place, C in ((0.0, test.C_b_n), (3.3, test.C_b_n_end)):
+            for i, name in enumerate("xyz"):
+                along = abs(test.axis[i]) > 0.99
+                tip = seen @ C[:, i] + [place, 0]
+                style = {"arrowstyle": "-|>", "color": f"C{i}", "lw": 3 if along else 1.3, "mutation_scale": 10}
+                ax.annotate("", tip, (place, 0), arrowprops=style | {"shrinkA": 0, "shrinkB": 0})
+                at = 1.28 * seen @ C[:, i] + [place, 0]
+                ax.text(*at, name, color=f"C{i}", ha="center", va="center", weight="bold" if along else "normal")
+        ax.text(1.65, -2.1, f"{test.label}:  {test.angle / DEG:.0f}°", ha="center", va="bottom", fontsize=10)
+        ax.annotate("", (2.0, 0.75), (1.3, 0.75), arrowprops={"arrowstyle": "->", "color": "0.4"})
+    key = fig.add_axes((0.0, 0.0, 0.09, 0.14))
+    key.set(xlim=(-0.4, 1.6), ylim=(-0.4, 1.6), aspect="equal")
+    key.axis("off")
+    for name, vector in directions.items():
+        key.annotate("", seen @ vector, (0, 0), arrowprops={"arrowstyle": "->", "color": "0.4", "lw": 1})
+        key.text(*(1.3 * seen @ vector), name, color="0.4", ha="center", va="center", fontsize=9)
+    fig.get_layout_engine().set(rect=(0.06, 0, 0.94, 1))
+    return axes
+
+
+def entries(difference: "np.ndarray", marked: Sequence[tuple[int, int]] = (), ax: "Axes | None" = None) -> "Axes":
+    """Elements of a matrix as a map: colour by sign and size, rings where marked.
+
+    Parameters
+    ----------
+    difference : ndarray, shape (m, n)
+        Elements, drawn up to 2 in size.
+    marked : sequence of tuple of int
+        Rows and columns, from 0, that get a ring.
+    ax : matplotlib.axes.Axes, optional
+        Where to draw.
+
+    Returns
+    -------
+    matplotlib.axes.Axes
+        The axes.
+    """
+    ax = plt.subplots(figsize=(7.2, 6.4))[1] if ax is None else ax
+    image = ax.imshow(difference, cmap="RdBu_r", vmin=-2, vmax=2, aspect="auto")
+    ax.figure.colorbar(image, ax=ax, extend="both", shrink=0.7)
+    for row, column in marked:
+        ax.plot(column, row, "o", ms=17, mfc="none", mec="k", mew=1.8)
+    ax.grid(False)
     return ax

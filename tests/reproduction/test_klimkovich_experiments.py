@@ -2,7 +2,6 @@
 
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -19,7 +18,6 @@ from fogkit.reproduction.klimkovich import (
     convergence,
     gyro_bias_test,
     paper,
-    roughness_map,
     tables,
     trials,
     verdicts,
@@ -28,7 +26,6 @@ from fogkit.reproduction.klimkovich.estimates import LATITUDE
 from fogkit.stand.turn_tests import bias_test
 from fogkit.units import ARCSEC, DEG, DEG_PER_HOUR, DEG_PER_SQRT_HOUR
 
-STORED = Path(__file__).parents[2] / "data" / "derived" / roughness_map.NAME
 SLOW = {"rate": 50.0}  # samples per second: the motion is smooth
 
 
@@ -119,37 +116,6 @@ def test_comparison_of_matrices_keeps_its_rows():
     # on an ideal table the actual matrix becomes that of the plan
     assert_allclose(table.loc["model", "rms_z"], table.loc["actual", "rms_z"], rtol=0.01)
     assert table.loc["printed", "rms_z"] > 3 * table.loc["actual", "rms_z"]
-
-
-def test_stored_map_is_what_compute_gives():
-    stored = pd.read_csv(STORED)
-    fresh = roughness_map.compute(roughnesses=(1.0,), seeds=(2,))
-    keys = ["roughness", "seed", "noisy", "matrix"]
-    both = fresh.merge(stored, on=keys, suffixes=("", "_stored"))
-    assert len(both) == len(fresh) == 6
-    noisy = both[both["noisy"]]  # without noise the ends are rounding
-    for name in ("iterations", "rms_z", "gyro_angle_arcsec", "accelerometer_scale_ppm"):
-        assert_allclose(noisy[name], noisy[f"{name}_stored"], rtol=1e-4)
-    assert set(stored["roughness"]) == set(roughness_map.ROUGHNESSES)
-    assert set(stored["seed"]) == set(roughness_map.SEEDS)
-
-
-def test_map_shows_that_the_matrix_decides_how_fast_not_where(notes):
-    stored = pd.read_csv(STORED)
-    table = roughness_map.summary(stored).loc[True]
-    for roughness in (1.0, 2.0, 3.0):
-        actual, model = (table.loc[(roughness, matrix)] for matrix in ("actual", "model"))
-        assert model["iterations"] > actual["iterations"]
-        assert_allclose(model["rms_z"], actual["rms_z"], rtol=0.02)
-        assert_allclose(model["gyro_angle_arcsec"], actual["gyro_angle_arcsec"], rtol=0.05)
-    assert table.loc[(3.0, "actual"), "iterations"] == 3 and table.loc[(3.0, "model"), "iterations"] == 7
-    assert "3 against 7, medians of 8 seeds" in notes["abs-iterations"]
-    # where the table turns the matrix of the plan into another one, its iteration is lost
-    assert table.loc[(10.0, "actual"), ["finished", "iterations"]].tolist() == [8, 4]
-    assert table.loc[(10.0, "model"), "finished"] == 4
-    assert table.loc[(10.0, "model"), "gyro_angle_arcsec"] > 10 * table.loc[(10.0, "actual"), "gyro_angle_arcsec"]
-    assert "for 4 of 8 seeds" in notes["abs-residual"] and "needs 4 iterations" in notes["abs-residual"]
-    assert not stored["refused"].any()
 
 
 # What biases the result

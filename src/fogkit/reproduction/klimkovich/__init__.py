@@ -19,8 +19,9 @@ module              answers
 `convergence`       how does the iteration converge, with which matrix (figures 2 to 5)?
 `bias_sources`      what do size effect, delays, gyro biases and the start do to the result?
 `gyro_bias_test`    what do (29)-(31) find (figure 6)?
-`roughness_map`     how rough may the table be, for which matrix?
 `verdicts`          do the claims in words hold in the experiments?
+`matrix_comparison` what does each step of the iteration leave, with which matrix, on which table?
+`confidence`        what can chi-square see, what hangs together in table 1, and if the noise is another?
 ==================  =====================================================================================
 """
 
@@ -43,7 +44,6 @@ from fogkit.reproduction.klimkovich import (
     paper,
     plan_search,
     regression,
-    roughness_map,
     tables,
     trials,
     verdicts,
@@ -62,7 +62,6 @@ __all__ = [
     "paper",
     "plan_search",
     "regression",
-    "roughness_map",
     "tables",
     "trials",
     "values",
