@@ -244,6 +244,7 @@ def errors_of(seed, noisy, matrix):
         ("abs-rough", "0.34", lambda: verdicts.errors()["gyro_scale_ppm"]),
         ("abs-rough", "28", lambda: verdicts.errors()["accelerometer_bias_um_s2"]),
         ("table-errors", "24", lambda: verdicts.errors()["accelerometer_scale_ppm"]),
+        ("intro-model-bias", "3.0", verdicts.left_by_the_model_matrix),
         ("differences-delays", "0.89", lambda: bias_sources.effect("gyro delays, unequal")["gyro_angle_arcsec"]),
         ("differences-delays", "0.03", lambda: bias_sources.effect("gyro delays, unequal", 0.0)["gyro_angle_arcsec"]),
         ("differences-size", "0.03", lambda: bias_sources.effect("size effect, one point")["gyro_angle_arcsec"]),
@@ -278,6 +279,14 @@ def test_actual_beats_model_by_one_iteration(notes):
     ]
     assert counts == [3, 4]
     assert "3 against 4" in notes["abs-iterations"]
+
+
+def test_model_matrix_stopped_early_and_later():
+    # linear convergence: at five times the roughness arcsec after 8 iterations, hundredths after 15
+    assert verdicts.left_by_the_model_matrix(iterations=15) < 0.1
+    assert verdicts.left_by_the_model_matrix(1.0) < 0.01
+    actual = convergence.standard_trial(roughness=5.0).calibrated(attitude="true")
+    assert convergence.standard_trial(roughness=5.0).errors(actual.compensation)["gyro_angle_arcsec"] < 1e-3
 
 
 def test_from_the_true_start_the_table_shows_in_a_rotation_only():

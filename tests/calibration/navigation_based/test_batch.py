@@ -182,3 +182,9 @@ def test_bad_input(noisy):
         batch.estimate(noisy, PLAN, LATITUDE, NOISE, groups=["delays"])
     with pytest.raises(RuntimeError, match="no convergence in 1 `iterations`"):
         batch.estimate(noisy, PLAN, LATITUDE, NOISE, iterations=1, groups=[])
+    table = noisy[3].copy()
+    table[["gyro_x", "gyro_y", "gyro_z"]] /= DEG
+    with pytest.raises(ValueError, match=r"test 4\)` must turn by .* These look like in deg in place of rad"):
+        batch.estimate([*noisy[:3], table, *noisy[4:]], PLAN, LATITUDE, NOISE)
+    with pytest.raises(ValueError, match=r"test 4\)` must have \+x up in dwell 1, got .* It would fit test 6"):
+        batch.estimate([*noisy[:3], noisy[5], noisy[4], noisy[3], *noisy[6:]], PLAN, LATITUDE, NOISE)

@@ -80,6 +80,44 @@ def test_only_a_half_turn_about_the_vertical_will_do(tilted):
         estimate_gyro_biases(tilted, TurnTest.from_letters("ENU", "x", np.pi), Compensation(), LATITUDE)
 
 
+def spoilt(table, columns, factor):
+    table = table.copy()
+    table[[name for name in table if name.startswith(columns)]] *= factor
+    return table
+
+
+def moved(table, angle, axis="gyro_z", begin=20.0):
+    """A motion by an angle within 2 s."""
+    table = table.copy()
+    inside = (table.index >= begin) & (table.index < begin + 2)
+    table.loc[inside, axis] += angle / inside.sum()
+    return table
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda t: spoilt(t, "accel", 1 / 9.80665), "must feel gravity, .* in units of g s"),
+        (lambda t: spoilt(t, "accel", -1), r"must have \+z up in dwell 1, got -z up"),
+        (lambda t: spoilt(t, "gyro", 1 / DEG), "in deg in place of rad"),
+        (lambda t: spoilt(t, "gyro", 50), "rates in place of increments"),
+        (lambda t: spoilt(t, "gyro_z", 0.5), r"must turn by \[0\.0, 0\.0, 180\.0\] deg about x, y, z, got"),
+        (lambda t: moved(t, 5 * DEG), "must be at rest in dwell 1, .* got a motion of"),
+        (lambda t: t.iloc[:-1], "must be as long as its test"),
+    ],
+)
+@pytest.mark.parametrize("method", ["slopes", "rates"])
+def test_recordings_of_something_else(tilted, method, change, words):
+    with pytest.raises(ValueError, match=words):
+        estimate(change(tilted), method=method)
+
+
+def test_a_dwell_that_creeps_is_a_warning(tilted):
+    # 0.1 deg in 2 s of 100 s: the halves differ by 3.5e-5 rad/s, (31) would be wrong by 2e-5 rad/s
+    with pytest.warns(UserWarning, match=r"rates about z in the halves of dwell 1 of `recording` differ by 3\.5e-05"):
+        estimate(moved(tilted, 0.1 * DEG))
+
+
 def static(C_b_n, bias=(0, 0, 0), noise=0.0, count=30_000, dt=0.01, seed=0):
     """Recording at rest, with angle random walk of the given size."""
     rng = np.random.default_rng(seed)
@@ -120,3 +158,21 @@ def test_no_azimuth():
         gyrocompass_azimuth(static(dcm_from_rotvec([np.pi / 2, 0, 0]), count=100), Compensation(), LATITUDE)
     with pytest.raises(ValueError, match="must show the Earth's level rate"):
         gyrocompass_azimuth(static(np.eye(3), bias=(0, 1e-3, 0), count=100), Compensation(), LATITUDE)
+    with pytest.raises(ValueError, match="must hold at least 8 steps, got 2"):
+        gyrocompass_azimuth(static(np.eye(3), count=2), Compensation(), LATITUDE)
+    still = static(np.eye(3), count=1000)
+    with pytest.raises(ValueError, match=r"must feel gravity, 9\.814 m/s\^2, got 1\.0"):
+        gyrocompass_azimuth(spoilt(still, "accel", 1 / 9.80665), Compensation(), LATITUDE)
+    for columns in ("accel", "gyro"):  # upside down: north would come out as north, or as south
+        with pytest.raises(ValueError, match="Earth's rate about the vertical"):
+            gyrocompass_azimuth(spoilt(still, columns, -1), Compensation(), LATITUDE)
+
+
+def test_azimuth_of_a_unit_that_moves():
+    # there and back: no mean rate is left, but the halves differ
+    still = static(np.eye(3), noise=1e-6, count=6000)
+    there_and_back = moved(moved(still, 1e-2, "gyro_x", 10.0), -1e-2, "gyro_x", 40.0)
+    with pytest.warns(UserWarning, match="rates about x in the halves of `recording` differ by 0.00067 rad/s"):
+        gyrocompass_azimuth(there_and_back, Compensation(), LATITUDE)
+    with pytest.warns(UserWarning, match="rates about x in the halves"):
+        gyrocompass_azimuth(moved(still, 1e-3, "gyro_x", 10.0), Compensation(), LATITUDE)

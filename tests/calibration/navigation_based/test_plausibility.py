@@ -63,8 +63,16 @@ CASES = {
     "moving second dwell": (5, rate_in(18.0, 20.0, 2 * DEG), "must be at rest in dwell 2, .* largest at"),
     "specific force": (6, scaled(ACCEL, 100), "specific forces in place of increments"),
     "g": (6, scaled(ACCEL, 1 / 9.80665), "in units of g s"),
-    "degrees": (7, scaled(GYRO, 0.1 / DEG), r"must .*"),
-    "rates": (7, scaled(["gyro_z"], 0.5), r"must turn by \[0\.0, 0\.0, 1980\.0\] deg about x, y, z, got"),
+    "degrees": (7, scaled(GYRO, 1 / DEG), r"test 8\)` must turn by .* These look like in deg in place of rad"),
+    "rates": (7, scaled(GYRO, 100), "These look like rates in place of increments"),
+    "rates in deg/s": (7, scaled(GYRO, 100 / DEG), "These look like rates in deg/s"),
+    "half the turn": (7, scaled(["gyro_z"], 0.5), r"must turn by \[0\.0, 0\.0, 1980\.0\] deg about x, y, z, got"),
+    "other sense": (7, scaled(GYRO, -1), r"must turn by \[0\.0, 0\.0, 1980\.0\] deg about x, y, z, got \[.*-1981"),
+    "lost step": (
+        0,
+        lambda t: t.drop(t.index[1100]).set_index(t.index[:-1]),
+        "must be as long as its test, 22 s, got 21.99",
+    ),
     "saturated": (3, saturated, r"test 4\)` must not be saturated, got \d+ equal readings of .* in 'gyro_y'"),
     "not finite": (
         8,
@@ -80,6 +88,17 @@ def test_bad_recordings(case, name):
     test, change, words = CASES[name]
     with pytest.raises(ValueError, match=words):
         calibrate(spoil(case, test, change), case.plan, case.latitude)
+
+
+def test_a_noisy_channel_that_hangs(case):
+    # half a second of equal gyro readings in the turn: the calibration would be off by tens of arcsec
+    def noisy(table):
+        table += 1e-6 * np.random.default_rng(1).normal(size=table.shape)
+        table.iloc[900:950, 0] = table.iloc[900, 0]
+        return table
+
+    with pytest.raises(ValueError, match=r"test 1\)` must not hang, got 50 equal readings of .* 'gyro_x' from 9 s"):
+        calibrate(spoil(case, 0, noisy), case.plan, case.latitude)
 
 
 def test_swapped_recordings_are_recognised(case):

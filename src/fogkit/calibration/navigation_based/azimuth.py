@@ -4,9 +4,11 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fogkit import checks, earth
 from fogkit.calibration.navigation_based.compensation import Compensation
+from fogkit.calibration.navigation_based.plausibility import GRAVITY_TOLERANCE, warn_of_drift
 from fogkit.constants import EARTH_RATE
 from fogkit.imu.tables import ACCEL_COLUMNS, GYRO_COLUMNS
 from fogkit.navigation.increments import time_step
@@ -14,6 +16,8 @@ from fogkit.results import Record
 
 if TYPE_CHECKING:
     from pandas import DataFrame
+
+Array = NDArray[np.float64]
 
 BLOCK = 1.0
 """Duration, s, of the blocks whose scatter gives the standard deviation of a mean rate."""
@@ -68,7 +72,13 @@ def gyrocompass_azimuth(
     ------
     ValueError
         If the axis y stands upright, so that it has no heading; near a pole; or if the level rate is not that of the
-        Earth to a half: the unit moves, or its gyros are not calibrated.
+        Earth to a half: the unit moves, or its gyros are not calibrated; or if the recording is shorter than 8 steps,
+        does not feel gravity, or turns about the vertical.
+
+    Warns
+    -----
+    UserWarning
+        If the mean rates in the halves of the recording differ by more than noise.
 
     Notes
     -----
@@ -79,7 +89,8 @@ def gyrocompass_azimuth(
     table = compensation.apply(recording)
     _, dt = time_step(recording)
     rates = table[list(GYRO_COLUMNS)].to_numpy() / dt
-    force = table[list(ACCEL_COLUMNS)].to_numpy().mean(axis=0)
+    force = table[list(ACCEL_COLUMNS)].to_numpy().mean(axis=0) / dt
+    _require_rest(rates, force, latitude, dt)
     up, rate = force / np.linalg.norm(force), rates.mean(axis=0)
     if abs(up[1]) > 0.99:
         raise ValueError("`recording` must be of a unit whose axis y does not stand upright: it has no heading else")
@@ -106,3 +117,21 @@ def gyrocompass_azimuth(
         level_rate=size,
         vertical_rate=float(rate @ up),
     )
+
+
+def _require_rest(rates: Array, force: Array, latitude: float, dt: float) -> None:
+    """``ValueError`` if means are not those of a unit that rests on the Earth; a warning if halves of them differ."""
+    if len(rates) < 8:
+        raise ValueError(f"`recording` must hold at least 8 steps, got {len(rates)}")
+    felt, gravity = float(np.linalg.norm(force)), float(earth.normal_gravity(latitude))
+    if abs(felt / gravity - 1) > GRAVITY_TOLERANCE:
+        raise ValueError(
+            f"`recording` must feel gravity, {gravity:.4g} m/s^2, got {felt:.4g} m/s^2. Increments are in m/s."
+        )
+    vertical, expected = float(rates.mean(axis=0) @ force) / felt, EARTH_RATE * np.sin(latitude)
+    if abs(vertical - expected) > 0.5 * EARTH_RATE:
+        raise ValueError(
+            f"`recording` must show the Earth's rate about the vertical, {expected:.3g} rad/s, got {vertical:.3g} "
+            "rad/s. Is the unit at rest, are its gyro biases calibrated, and do accelerometers at rest read upwards?"
+        )
+    warn_of_drift(rates, dt, "`recording`")

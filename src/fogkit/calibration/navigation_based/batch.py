@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from fogkit import checks, earth
 from fogkit.calibration import velocity_noise
+from fogkit.calibration.navigation_based import plausibility
 from fogkit.calibration.navigation_based.compensation import GAUGE, Compensation
 from fogkit.calibration.navigation_based.recordings import Recording, checked_plan, recordings_of
 from fogkit.calibration.velocity_noise import SensorNoise, Steps
@@ -157,7 +158,8 @@ def estimate(
     Raises
     ------
     ValueError
-        If recordings are not those of the plan, a prior belongs to no state, or states are open even with priors.
+        If recordings are not those of the plan, as `plausibility` says, a prior belongs to no state, or
+        states are open even with priors.
     RuntimeError
         If the iteration does not converge.
     """
@@ -170,9 +172,11 @@ def estimate(
     attitudes = np.stack([test.C_b_n for test in plan]) if initial_attitude is None else initial_attitude
     attitudes = orthonormalise(checks.finite_array("initial_attitude", attitudes, shape=(len(plan), 3, 3)))
     place = {"lat": latitude, "alt": checks.finite("altitude", altitude, "m")}
+    prepared = recordings_of(recordings, plan)
+    plausibility.check(prepared, start, float(earth.normal_gravity(latitude, place["alt"])))
     tests = [
         _Test.of(recording, attitude, start, place, noise)
-        for recording, attitude in zip(recordings_of(recordings, plan), attitudes, strict=True)
+        for recording, attitude in zip(prepared, attitudes, strict=True)
     ]
     states = np.zeros(len(names))
     for number in range(1, checks.integer("iterations", iterations, minimum=1) + 1):

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fogkit import checks, earth
+from fogkit.calibration.navigation_based import plausibility
 from fogkit.calibration.navigation_based.compensation import Compensation
 from fogkit.calibration.navigation_based.processing import gravity_vector, levelled
 from fogkit.calibration.navigation_based.recordings import Recording, recordings_of
@@ -123,13 +124,20 @@ def estimate_gyro_biases(
     Raises
     ------
     ValueError
-        If the test is no half turn about an axis that stands upright, or the recording is not of that test.
+        If the test is no half turn about an axis that stands upright, or the recording is not of that test: wrong
+        units, a dwell in motion, another face up or another turn, as `plausibility` says.
+
+    Warns
+    -----
+    UserWarning
+        If the mean rates in the halves of a dwell differ by more than noise.
     """
     checks.option("method", method, ("slopes", "rates"))
     _require_half_turn(test)
     (prepared,) = recordings_of([recording], [test], settle=settle, dwells=dwells)
     latitude = float(earth.checked_latitude(latitude, "latitude", earth.POLE_MARGIN))
     down = gravity_vector(gravity, latitude, altitude)
+    _require_plausible(prepared, compensation, float(np.linalg.norm(down)))
     C_b_n = _start(initial_attitude, prepared, compensation, azimuth, down)
     run = _Run(prepared, latitude, altitude, down, accelerometer_bias_deviation)
     found, log, solution = compensation, [], None
@@ -259,6 +267,13 @@ def _require_half_turn(test: TurnTest) -> None:
             "`test` must be half a turn about an axis that stands upright, as `bias_test()`, got "
             f"{np.rad2deg(test.angle):.4g} deg about an axis {np.rad2deg(np.arccos(min(upright, 1))):.3g} deg off it"
         )
+
+
+def _require_plausible(recording: Recording, compensation: Compensation, gravity: float) -> None:
+    plausibility.check([recording], checks.instance("compensation", compensation, Compensation), gravity)
+    gyro, _ = _compensated(recording, compensation)
+    for number, dwell in enumerate(recording.dwells, start=1):
+        plausibility.warn_of_drift(gyro[slice(*dwell)] / recording.dt, recording.dt, f"dwell {number} of `recording`")
 
 
 def _frame(rows: list[dict[str, float]]) -> "DataFrame":

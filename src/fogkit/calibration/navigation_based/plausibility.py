@@ -31,6 +31,13 @@ RINGING = 0.05 * DEG
 SATURATED_RUN = 20
 """Equal readings in a row, at the largest of a recording, that no noise lets happen."""
 
+STEADY = 1e-6
+"""Difference of the mean rates in two halves of a rest, rad/s, beyond six deviations that is worth a warning: 0.2
+deg/h, far more than the biases of calibrated gyros move in minutes."""
+
+BLOCK = 1.0
+"""Duration, s, of the blocks whose scatter says what noise makes of a mean rate."""
+
 SHORTFALL = 0.005
 """Part of the planned angle that is missing where gyros are saturated; rough tables are exact to a tenth of it."""
 
@@ -51,7 +58,8 @@ def check(recordings: Sequence[Recording], start: Compensation, gravity: float) 
     ------
     ValueError
         For wrong units (1 g check, angle of the turn), a dwell in motion, a start or an end on another face than
-        planned (with the test that would fit), another turn, or saturation. The message names test and dwell.
+        planned (with the test that would fit), another turn, saturation, or a channel that hangs. The message names
+        test and dwell.
 
     Warns
     -----
@@ -62,6 +70,7 @@ def check(recordings: Sequence[Recording], start: Compensation, gravity: float) 
     for recording in recordings:
         name = f"recordings[{plan.index(recording.test)}] (test {recording.test.label})"
         _units(recording, start, gravity, name)
+        _gyro_units(recording, start, name)
         _rest(recording, name)
         _saturation(recording, name)
         _faces(recording, start, plan, name)
@@ -82,6 +91,35 @@ def warn_of_few_turns(plan: Sequence[TurnTest], solution: Solution) -> None:
             )
 
 
+def warn_of_drift(rates: Array, dt: float, name: str) -> None:
+    """Warn if the mean rates in the two halves of a rest differ by more than noise: the unit moves, or biases drift.
+
+    Parameters
+    ----------
+    rates : ndarray, shape (n, 3)
+        Rates at rest, rad/s.
+    dt : float
+        Step, s.
+    name : str
+        What rests, for the message.
+    """
+    steps = min(max(1, round(BLOCK / dt)), len(rates) // 4)
+    blocks = rates[: len(rates) // steps * steps].reshape(-1, steps, 3).mean(axis=1)
+    half = len(blocks) // 2
+    apart = np.abs(blocks[:half].mean(axis=0) - blocks[half:].mean(axis=0))
+    # successive differences do not see a motion of a few blocks; their median is 0.954 deviations of white noise
+    deviation = np.median(np.abs(np.diff(blocks, axis=0)), axis=0) / 0.954
+    beyond = apart - (STEADY + 6 * deviation * 2 / np.sqrt(len(blocks)))
+    worst = int(np.argmax(beyond))
+    if beyond[worst] > 0:
+        warnings.warn(
+            f"the mean rates about {AXES[worst]} in the halves of {name} differ by {apart[worst]:.2g} rad/s: the unit "
+            "moves, or a bias drifts. No bias is known better than that",
+            UserWarning,
+            stacklevel=3,
+        )
+
+
 def _units(recording: Recording, start: Compensation, gravity: float, name: str) -> None:
     """1 g check."""
     forces = recording.forces @ start.accelerometer_matrix.T + start.accelerometer_bias
@@ -98,6 +136,20 @@ def _units(recording: Recording, start: Compensation, gravity: float, name: str)
         raise ValueError(
             f"`{name}` must feel gravity, {gravity:.4g} m/s^2, in dwell {dwell}, got {felt:.4g} m/s^2. {hint}".rstrip()
         )
+
+
+def _gyro_units(recording: Recording, start: Compensation, name: str) -> None:
+    """Whether the turn is that of the plan in other units; seen before the dwells, which then seem to move."""
+    test, turned = recording.test, start.gyro_matrix @ recording.turned
+    ratio = float(turned @ test.axis) / test.angle
+    for factor, words in (
+        (1 / DEG, "in deg in place of rad"),
+        (1 / recording.dt, "rates in place of increments"),
+        (1 / (DEG * recording.dt), "rates in deg/s"),
+    ):
+        other = abs(factor - 1) > 2 * TURN_TOLERANCE  # with steps of 1 s rates and increments are the same
+        if other and abs(ratio / factor - 1) < TURN_TOLERANCE:
+            raise ValueError(_another_turn(recording, turned, name, f" These look like {words}."))
 
 
 def _rest(recording: Recording, name: str) -> None:
@@ -130,11 +182,13 @@ def _saturation(recording: Recording, name: str) -> None:
 
     for i, column in enumerate(IMU_COLUMNS):
         values = (recording.gyro if i < 3 else recording.accel)[:, i % 3]
+        rest = np.concatenate([np.diff(values[slice(*dwell)]) for dwell in recording.dwells])
+        noisy = np.mean(rest == 0) < 0.1 and np.abs(rest).max() > 1e-9 * np.abs(values).max()
         run, begin, extreme = _longest_run_at_extreme(values)
         if run < SATURATED_RUN:
+            if noisy:
+                _require_change(values, recording.dt, column, name)
             continue
-        rest = np.concatenate([np.diff(values[slice(*dwell)]) for dwell in recording.dwells])
-        noisy = np.mean(rest == 0) < 0.1 and np.abs(rest).max() > 1e-9 * abs(extreme)
         planned = recording.test.angle * recording.test.axis[i % 3]
         short = i < 3 and abs(recording.turned[i]) < (1 - SHORTFALL) * abs(planned)
         if noisy or short:
@@ -142,6 +196,19 @@ def _saturation(recording: Recording, name: str) -> None:
                 f"`{name}` must not be saturated, got {run} equal readings of {extreme:.6g} in a row in {column!r} "
                 f"from {begin * recording.dt:.6g} s, its largest. Turn more slowly."
             )
+
+
+def _require_change(values: Array, dt: float, column: str, name: str) -> None:
+    """``ValueError`` if a channel with noise repeats a reading for long."""
+    ends = np.flatnonzero(np.append(np.diff(values) != 0, True))
+    lengths = np.diff(ends, prepend=-1)
+    longest = int(np.argmax(lengths))
+    if lengths[longest] >= SATURATED_RUN:
+        begin = ends[longest] - lengths[longest] + 1
+        raise ValueError(
+            f"`{name}` must not hang, got {lengths[longest]} equal readings of {values[begin]:.6g} in a row in "
+            f"{column!r} from {begin * dt:.6g} s, though the channel is noisy. Was something lost and filled?"
+        )
 
 
 def _longest_run_at_extreme(values: Array) -> tuple[int, int, float]:
@@ -178,19 +245,14 @@ def _turn(recording: Recording, start: Compensation, plan: Sequence[TurnTest], n
     planned = test.axis * test.angle
     if _fits_turn(turned, planned):
         return
-    along = float(turned @ test.axis)
-    ratio = along / test.angle
-    hint = ""
-    for factor, words in (
-        (1 / DEG, "in deg in place of rad"),
-        (1 / recording.dt, "rates in place of increments"),
-        (1 / (DEG * recording.dt), "rates in deg/s"),
-    ):
-        if abs(ratio / factor - 1) < TURN_TOLERANCE:
-            hint = f" These look like {words}."
     forces = recording.forces @ start.accelerometer_matrix.T + start.accelerometer_bias
-    hint = hint or _other(recording, forces / np.linalg.norm(forces, axis=1, keepdims=True), plan)
-    raise ValueError(
+    hint = _other(recording, forces / np.linalg.norm(forces, axis=1, keepdims=True), plan)
+    raise ValueError(_another_turn(recording, turned, name, hint))
+
+
+def _another_turn(recording: Recording, turned: Array, name: str, hint: str) -> str:
+    planned = recording.test.axis * recording.test.angle
+    return (
         f"`{name}` must turn by {np.round(planned / DEG, 1).tolist()} deg about x, y, z, got "
         f"{np.round(turned / DEG, 1).tolist()} deg by its gyros.{hint}"
     )

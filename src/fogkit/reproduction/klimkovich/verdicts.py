@@ -51,6 +51,19 @@ def model_matrix_is_biased() -> bool:
     )
 
 
+@cache
+def left_by_the_model_matrix(roughness: float = 5.0, iterations: int = paper.ITERATIONS) -> float:
+    """Gyro angle, arcsec, by which the two matrices differ after some iterations from the true start without noise."""
+    trial = standard_trial(roughness=roughness)
+    one, other = (trial.calibrated(matrix, attitude="true", iterations=iterations) for matrix in ("actual", "model"))
+    return convergence.disagreement(one, other)["gyro_angle_arcsec"]
+
+
+def model_matrix_may_leave_errors() -> bool:
+    """Whether on some table that the actual matrix copes with it leaves more than 0.1 arcsec in eight iterations."""
+    return left_by_the_model_matrix() > _NOTHING
+
+
 def actual_matrix_is_faster() -> bool:
     """Whether it needs fewer iterations to the floor of the measurement in every trial without noise."""
     counts = [
