@@ -247,9 +247,6 @@ def test_groups_are_alike_for_any_levels():
 def test_scale_factors_of_table_1_do_not_fit():
     assert tables.four_levels().largest < 0.008
     assert tables.four_levels(as_printed=True).largest > 0.3
-    best = tables.any_levels()
-    assert best.rms > 0.05
-    assert best.ratios["m_g_22"] < 0.9
     assert len(tables.table_1()) == 15
 
 

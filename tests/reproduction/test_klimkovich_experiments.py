@@ -232,6 +232,10 @@ def errors_of(seed, noisy, matrix):
     return verdicts.errors_with_both_matrices()[seed, noisy][("actual", "model").index(matrix)]
 
 
+def worst(quantity):
+    return max(verdicts.errors(seed=seed)[quantity] for seed in verdicts.SEEDS)
+
+
 @pytest.mark.parametrize(
     ("row", "text", "value"),
     [
@@ -240,9 +244,9 @@ def errors_of(seed, noisy, matrix):
         ("abs-residual", "4.60", lambda: errors_of(2, True, "actual")),
         ("abs-residual", "4.62", lambda: errors_of(2, True, "model")),
         ("abs-residual", "2.20", lambda: errors_of(3, True, "actual")),
-        ("abs-rough", "1.1", lambda: verdicts.errors()["gyro_angle_arcsec"]),
-        ("abs-rough", "0.34", lambda: verdicts.errors()["gyro_scale_ppm"]),
-        ("abs-rough", "28", lambda: verdicts.errors()["accelerometer_bias_um_s2"]),
+        ("abs-rough", "1.4", lambda: worst("gyro_angle_arcsec")),
+        ("abs-rough", "0.34", lambda: worst("gyro_scale_ppm")),
+        ("abs-rough", "28", lambda: worst("accelerometer_bias_um_s2")),
         ("table-errors", "24", lambda: verdicts.errors()["accelerometer_scale_ppm"]),
         ("intro-model-bias", "3.0", verdicts.left_by_the_model_matrix),
         ("differences-delays", "0.89", lambda: bias_sources.effect("gyro delays, unequal")["gyro_angle_arcsec"]),
@@ -262,7 +266,8 @@ def errors_of(seed, noisy, matrix):
         ("start-from-dwell", "0.8", lambda: verdicts.errors(attitude="levelled")["gyro_angle_arcsec"]),
         ("concl-algorithm", "3e-10", lambda: verdicts.measurement_of_a_perfect_unit(50.0)),
         ("concl-algorithm", "2e-11", lambda: verdicts.measurement_of_a_perfect_unit(100.0)),
-        ("concl-works", "0.34", lambda: verdicts.errors()["gyro_scale_ppm"]),
+        ("concl-works", "1.4", lambda: worst("gyro_angle_arcsec")),
+        ("concl-works", "0.34", lambda: worst("gyro_scale_ppm")),
         ("model-start", "1.1", lambda: bias_sources.effect("start of the model")["gyro_angle_arcsec"]),
         ("eq33", "0.23", lambda: bias_sources.effect("gyro bias x", 0.0)["gyro_angle_arcsec"]),
     ],

@@ -40,6 +40,7 @@ from fogkit.claims import Proof
 from fogkit.reproduction.klimkovich import (
     bias_sources,
     conditioning,
+    confidence,
     convergence,
     derivation,
     estimates,
@@ -81,9 +82,7 @@ def values() -> dict[str, Callable[[], Any] | Any]:
 
 
 def _introduction() -> dict:
-    rows_without_turn = ideas.rank_of_dwells
     return {
-        "intro-group2-observable": lambda: rows_without_turn() < len(PARAMETERS),
         "intro-size-one": lambda: ideas.unknowns_of_size_effect(1),
         "intro-size-two": lambda: ideas.unknowns_of_size_effect(2),
         "intro-size-distance": paper.SENSITIVITY_CENTRES[1] / CENTIMETRE,
@@ -208,12 +207,19 @@ def _table_1() -> dict:
         **{f"table1-{name.replace('_', '')}": (lambda name=name: tables.fitted(name)) for name in PARAMETERS},
         "table1-pattern": _pattern_of_table_1,
         "table1-formula": _formula_of_table_1,
+        "table1-consistent": _table_1_is_consistent,
         "table1-heading": Proof(printed="m_a_12" in PARAMETERS, corrected="m_a_13" in PARAMETERS),
         "table1-footnote": lambda: any(
             f"m^a_{axis}{axis}" in {str(symbol) for symbol in derivation.half_difference(axis).free_symbols}
             for axis in (1, 2, 3)
         ),
     }
+
+
+def _table_1_is_consistent() -> bool:
+    """Whether the scale factor cells are within what the rounding of three others allows, with any diagonal R."""
+    cells = confidence.scale_factors_of_table_1()
+    return bool(cells["printed"].between(cells["low"], cells["high"]).all())
 
 
 def _formula_of_table_1() -> Proof:

@@ -129,31 +129,6 @@ def four_levels(as_printed: bool = False) -> Fit:
     return Fit(levels * GRAVITY, _ratios(levels[kinds], matrix))
 
 
-@cache
-def any_levels(starts: int = 3) -> Fit:
-    """Fit all 18 standard deviations of a diagonal R to all 15 cells, from several starts.
-
-    Parameters
-    ----------
-    starts : int, optional
-        Number of random starts; the best fit counts.
-    """
-    from scipy.optimize import least_squares
-
-    matrix, centre = _matrix(False), np.log(2e-5)
-
-    def misfit(logs):
-        return np.log(deviations(np.exp(logs), matrix) / printed())
-
-    rng = np.random.default_rng(1)
-    fits = [
-        least_squares(misfit, centre + rng.normal(0, 0.25, 18), bounds=(centre - 2, centre + 2), max_nfev=60)
-        for _ in range(starts)
-    ]
-    levels = np.exp(min(fits, key=lambda fit: fit.cost).x)
-    return Fit(levels * GRAVITY, _ratios(levels, matrix))
-
-
 def _matrix(as_printed: bool) -> Array:
     return paper.printed_matrix() if as_printed else plan_search.measurement_matrix()
 
