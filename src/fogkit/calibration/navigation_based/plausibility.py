@@ -85,7 +85,7 @@ def warn_of_few_turns(plan: Sequence[TurnTest], solution: Solution) -> None:
         if angle < 2 * np.pi:
             warnings.warn(
                 f"no test turns by more than {angle / DEG:.0f} deg about {axis}: the scale factor of that gyro is "
-                f"known to {deviation / PPM:.2g} ppm only. `turns_needed` says how many whole turns it takes.",
+                f"known to {deviation / PPM:.2g} ppm at best. `turns_needed` says how many whole turns it takes.",
                 UserWarning,
                 stacklevel=4,
             )

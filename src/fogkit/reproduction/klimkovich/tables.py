@@ -96,11 +96,6 @@ class Fit:
         """Largest relative departure among the cells that are no gyro scale factor."""
         return max(abs(ratio - 1) for name, ratio in self.ratios.items() if name not in SCALE_FACTORS)
 
-    @property
-    def rms(self) -> float:
-        """Root mean square of the logarithms of all ratios."""
-        return float(np.sqrt(np.mean(np.log(list(self.ratios.values())) ** 2)))
-
 
 @cache
 def four_levels(as_printed: bool = False) -> Fit:
