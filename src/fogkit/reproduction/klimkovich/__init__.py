@@ -4,25 +4,29 @@
 and how they turn, is lost; `plan_search` recovers it from the matrix of the appendix, by the first-order model of
 `fogkit.calibration.navigation_based.turn_model`.
 
-==================  =====================================================================================
-module              answers
-==================  =====================================================================================
-`paper`             what does the paper state in numbers?
-`plan_search`       what did the lost figure 1 show, and what is misprinted in the appendix?
-`derivation`        which equations follow, with which signs?
-`ideas`             does the idea of the method hold in the model of a turn?
-`regression`        what do straight lines and their residuals tell, (21)-(24)?
-`conditioning`      how well is the plan conditioned, how many turns does it need, (28)?
-`estimates`         what do gyro bias and start attitude really do, (32)-(35)?
-`tables`            what can be said of tables 1 and 2?
-`trials`            which unit, on which table, is calibrated in the experiments?
-`convergence`       how does the iteration converge, with which matrix (figures 2 to 5)?
-`bias_sources`      what do size effect, delays, gyro biases and the start do to the result?
-`gyro_bias_test`    what do (29)-(31) find (figure 6)?
-`verdicts`          do the claims in words hold in the experiments?
-`matrix_comparison` what does each step of the iteration leave, with which matrix, on which table?
-`confidence`        what can chi-square see, what hangs together in table 1, and if the noise is another?
-==================  =====================================================================================
+===================  =====================================================================================
+module               answers
+===================  =====================================================================================
+`paper`              what does the paper state in numbers?
+`plan_search`        what did the lost figure 1 show, and what is misprinted in the appendix?
+`derivation`         which equations follow, with which signs?
+`ideas`              does the idea of the method hold in the model of a turn?
+`regression`         what do straight lines and their residuals tell, (21)-(24)?
+`conditioning`       how well is the plan conditioned, how many turns does it need, (28)?
+`estimates`          what do gyro bias and start attitude really do, (32)-(35)?
+`tables`             what can be said of tables 1 and 2?
+`trials`             which unit, on which table, is calibrated in the experiments?
+`convergence`        how does the iteration converge, with which matrix (figures 2 to 5)?
+`bias_sources`       what do size effect, delays, gyro biases and the start do to the result?
+`gyro_bias_test`     what do (29)-(31) find (figure 6)?
+`gyro_delays`        what do delays of gyros that differ do in a turn?
+`remedies`           what helps against each source, before and after?
+`bias_accuracy`      how sure are gyro biases and azimuths, and what does table 2 say of the gyros?
+`verdicts`           do the claims in words hold in the experiments?
+`matrix_comparison`  what does each step of the iteration leave, with which matrix, on which table?
+`campaigns`          do stated standard deviations hold over many simulated calibrations?
+`confidence`         what can chi-square see, what hangs together in table 1, and if the noise is another?
+===================  =====================================================================================
 """
 
 from collections.abc import Callable
