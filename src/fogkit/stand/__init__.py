@@ -24,7 +24,7 @@ from fogkit.stand.plans import Plan, Segment
 from fogkit.stand.rough_table import RoughTable
 from fogkit.stand.table import RateTable
 from fogkit.stand.turn_motion import Absorber, Harmonic, TurnMotion
-from fogkit.stand.turn_tests import TurnTest, nine_tests
+from fogkit.stand.turn_tests import TurnTest, bias_test, nine_tests
 
 __all__ = [
     "Absorber",
@@ -40,6 +40,7 @@ __all__ = [
     "Segment",
     "TurnMotion",
     "TurnTest",
+    "bias_test",
     "nine_tests",
     "observations",
 ]

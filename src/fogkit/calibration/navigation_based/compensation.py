@@ -192,11 +192,21 @@ def differences(estimate: Compensation, truth: Compensation) -> dict[str, float]
         What readings compensated by `estimate` have too much, in the axes in which the errors `GAUGE` are zero:
         ``m_a_ij`` and ``m_g_ij``, pure numbers and rad, ``b_a_i``, m/s^2, ``b_g_i``, rad/s.
 
+    Raises
+    ------
+    TypeError
+        If one of them is no `Compensation`.
+    ValueError
+        If they differ by more than small errors.
+
     Notes
     -----
     Readings come out as ``E x + b`` of the true quantity x. No method that only looks at rotations and gravity can tell
     E from C E of both triads, with C a rotation: it is the freedom to name the axes.
     """
+    fix = "That of a unit is `Compensation.from_unit(unit)`, that of a calibration its `.compensation`."
+    checks.instance("estimate", estimate, Compensation, fix=fix)
+    checks.instance("truth", truth, Compensation, fix=fix)
     parts = {}
     for kind in ("gyro", "accelerometer"):
         ours, true = getattr(estimate, f"{kind}_matrix"), getattr(truth, f"{kind}_matrix")

@@ -35,6 +35,7 @@ from fogkit.calibration.navigation_based.processing import Processed, Processing
 from fogkit.calibration.navigation_based.recordings import checked_plan
 from fogkit.calibration.navigation_based.results import NavigationCalibration
 from fogkit.calibration.navigation_based.turn_model import PARAMETERS
+from fogkit.calibration.velocity_noise import SensorNoise
 from fogkit.estimation import Solution, linear
 from fogkit.stand.turn_tests import TurnTest
 
@@ -408,5 +409,10 @@ def _checked_matrix(matrix: str | ArrayLike, count: int) -> str | Array:
 def _checked_covariance(noise: Noise, plan: tuple[TurnTest, ...], scale_factor: str) -> Array | None:
     if noise is None:
         return None
+    if isinstance(noise, SensorNoise):
+        raise TypeError(
+            "`noise` must be a covariance or a function of the plan, got SensorNoise. "
+            "`fogkit.calibration.uncertainty.plan_covariance` makes one of it."
+        )
     size = (2 if scale_factor == "pairs" else 4) * len(plan)
     return checks.finite_array("noise", noise(plan) if callable(noise) else noise, shape=(size, size))

@@ -19,12 +19,12 @@ module               answers
 `convergence`        how does the iteration converge, with which matrix (figures 2 to 5)?
 `bias_sources`       what do size effect, delays, gyro biases and the start do to the result?
 `gyro_bias_test`     what do (29)-(31) find (figure 6)?
-`gyro_delays`        what do unequal delays of gyros do to the attitude after a turn?
-`remedies`           what takes delays, starts, tilt and gyro biases out of the result?
-`bias_accuracy`      how well are gyro biases and azimuth known (table 2)?
-`campaigns`          do stated standard deviations hold over hundreds of runs?
+`gyro_delays`        what do delays of gyros that differ do in a turn?
+`remedies`           what helps against each source, before and after?
+`bias_accuracy`      how sure are gyro biases and azimuths, and what does table 2 say of the gyros?
 `verdicts`           do the claims in words hold in the experiments?
 `matrix_comparison`  what does each step of the iteration leave, with which matrix, on which table?
+`campaigns`          do stated standard deviations hold over many simulated calibrations?
 `confidence`         what can chi-square see, what hangs together in table 1, and if the noise is another?
 ===================  =====================================================================================
 """
