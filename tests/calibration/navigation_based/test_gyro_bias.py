@@ -11,11 +11,12 @@ from fogkit.earth import earth_rate_n, gravity_n
 from fogkit.imu.tables import IMU_COLUMNS
 from fogkit.imu.triads import LinearTriad
 from fogkit.imu.unit import MeasurementUnit, Sensors
+from fogkit.noise import RandomErrors
 from fogkit.rotation import dcm_from_rotvec
 from fogkit.stand.rough_table import RoughTable
-from fogkit.stand.turn_recordings import record
+from fogkit.stand.turn_recordings import exact_inputs, record
 from fogkit.stand.turn_tests import TurnTest, bias_test
-from fogkit.units import DEG
+from fogkit.units import DEG, DEG_PER_SQRT_HOUR, MICRO_G_PER_SQRT_HZ
 
 LATITUDE = 53.9 * DEG
 BIAS = np.array([1e-7, -2e-7, 3e-7])
@@ -66,6 +67,30 @@ def test_rates_of_both_dwells_give_biases_and_azimuth_together(tilted):
     assert_allclose(found.C_b_n, dcm_from_rotvec([TILT, 0, 2e-3]), atol=1e-7)
     assert found.solution.degrees_of_freedom == 4
     assert (found.standard_deviation > 0).all()
+
+
+@pytest.mark.parametrize("method", ["slopes", "rates"])
+def test_stated_deviations_are_those_of_random_walks(method):
+    walks = [RandomErrors(angle_random_walk=n) for n in (0.002 * DEG_PER_SQRT_HOUR, 20 * MICRO_G_PER_SQRT_HZ)]
+    unit = MeasurementUnit(gyros=Sensors(random=walks[0]), accelerometers=Sensors(random=walks[1]))
+    test, runs = bias_test(dwell=60.0), 100
+    exact = exact_inputs(unit, RoughTable(latitude=LATITUDE).motions([test]), 20.0)
+    options = {"method": method, "iterations": 2}
+    found = [
+        estimate_gyro_biases(exact.record(np.random.default_rng(seed))[0], test, Compensation(), LATITUDE, **options)
+        for seed in range(runs)
+    ]
+    observed = np.sqrt(np.mean([one.bias**2 for one in found], axis=0))
+    stated = np.sqrt(np.mean([one.standard_deviation**2 for one in found], axis=0))
+    # 4 sigma of a deviation from 100 runs
+    assert_allclose(observed, stated, rtol=4 / np.sqrt(2 * runs))
+
+
+@pytest.mark.parametrize("estimate_", [estimate_gyro_biases, gyrocompass_azimuth])
+def test_a_whole_result_in_place_of_the_compensation_is_named(estimate_, tilted):
+    arguments = (tilted, TEST) if estimate_ is estimate_gyro_biases else (tilted,)
+    with pytest.raises(TypeError, match=r"`compensation` must be .*`\.compensation`"):
+        estimate_(*arguments, object(), LATITUDE)
 
 
 def test_slopes_in_another_heading_of_the_start():

@@ -86,7 +86,8 @@ def gyrocompass_azimuth(
     noise.
     """
     latitude = float(earth.checked_latitude(latitude, "latitude", earth.POLE_MARGIN))
-    table = compensation.apply(recording)
+    fix = "A result of `calibrate` has it as `.compensation`."
+    table = checks.instance("compensation", compensation, Compensation, fix=fix).apply(recording)
     _, dt = time_step(recording)
     rates = table[list(GYRO_COLUMNS)].to_numpy() / dt
     force = table[list(ACCEL_COLUMNS)].to_numpy().mean(axis=0) / dt

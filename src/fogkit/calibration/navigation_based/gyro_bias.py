@@ -45,6 +45,11 @@ BLOCK = 1.0
 ACCELEROMETER_BIAS = 1e-4
 """What the calibrated accelerometers may still be wrong by, m/s^2: the standard deviation in table 1 of [1]_."""
 
+_BEND = (10 / 7, 120 / 7)
+_LINE = 6 / 5
+"""What a parabola through the velocity, and a line through the heading, make of the variance of a mean rate, and the
+former of that of a mean specific force over ``(g T)^2``. Residuals of both see next to nothing of random walks."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class GyroBiases(FrozenArrays):
@@ -57,7 +62,8 @@ class GyroBiases(FrozenArrays):
     bias : ndarray, shape (3,)
         What the given compensation had too much, rad/s.
     standard_deviation : ndarray, shape (3,)
-        Standard deviations, rad/s: by slopes from residuals as if they were white; by rates from the scatter of blocks.
+        Standard deviations, rad/s, from the scatter of the readings in blocks of a second, as if they were white: angle
+        and velocity random walk are in it, bias instability is not.
     log : DataFrame
         A row for each iteration: the estimate so far ``b_g_1, b_g_2, b_g_3``, rad/s (fig. 6 of the paper), and
         ``largest_correction``.
@@ -133,6 +139,8 @@ def estimate_gyro_biases(
         If the mean rates in the halves of a dwell differ by more than noise.
     """
     checks.option("method", method, ("slopes", "rates"))
+    fix = "A result of `calibrate` has it as `.compensation`."
+    checks.instance("compensation", compensation, Compensation, fix=fix)
     _require_half_turn(test)
     (prepared,) = recordings_of([recording], [test], settle=settle, dwells=dwells)
     latitude = float(earth.checked_latitude(latitude, "latitude", earth.POLE_MARGIN))
@@ -144,7 +152,7 @@ def estimate_gyro_biases(
     for _ in range(checks.integer("iterations", iterations, minimum=1)):
         trajectory = run.navigate(found, C_b_n)
         if method == "slopes":
-            errors, deviations = run.by_slopes(trajectory, C_b_n)
+            errors, deviations = run.by_slopes(trajectory, found, C_b_n)
         else:
             solution, C_b_n = run.by_rates(trajectory, found, C_b_n)
             errors, deviations = solution.estimate[:3], solution.standard_deviation[:3]
@@ -184,23 +192,29 @@ class _Run:
             position_fixed=True,
         )
 
-    def by_slopes(self, trajectory: Trajectory, C_b_n: Array) -> tuple[Array, Array]:
+    def by_slopes(self, trajectory: Trajectory, compensation: Compensation, C_b_n: Array) -> tuple[Array, Array]:
         """(29)-(31), for any axis upright and any heading of the others, and standard deviations."""
-        bends, drifts = [], []
-        upright = int(np.argmax(np.abs(C_b_n[2])))
+        bends, drifts, variances = [], [], np.zeros(3)
+        upright, g = int(np.argmax(np.abs(C_b_n[2]))), float(np.linalg.norm(self.gravity))
         for first, last in self.recording.dwells:
             nodes = slice(first + 1, last + 1)
-            bends.append(SlopeFit.of(trajectory.time[nodes], 2, derivative=2)(trajectory.v_eb_n[nodes, :2]))
+            bends.append(SlopeFit.of(trajectory.time[nodes], 2, derivative=2)(trajectory.v_eb_n[nodes, :2])[0])
             yaw = _yaw(trajectory, nodes, upright)
-            drifts.append(SlopeFit.of(trajectory.time[nodes], 1)(yaw[:, np.newaxis]))
-        g = np.linalg.norm(self.gravity)
-        (bend_1, variance_1), (bend_2, variance_2) = bends
-        change, deviation = (bend_2 - bend_1) / (2 * g), np.sqrt(variance_1 + variance_2) / (2 * g)
-        drift = -0.5 * (drifts[0][0][0] + drifts[1][0][0])
+            drifts.append(SlopeFit.of(trajectory.time[nodes], 1)(yaw[:, np.newaxis])[0][0])
+            variances += self._variances(compensation, trajectory.C_b_n[last], slice(first, last)) / 4
+        change, drift = (bends[1] - bends[0]) / (2 * g), -0.5 * (drifts[0] + drifts[1])
         # before the half turn: the bias along east bends the velocity north by -g, that along north the one east by +g
         in_n = np.array([change[1], -change[0], drift])
-        deviation_in_n = np.array([deviation[1], deviation[0], 0.5 * np.sqrt(drifts[0][1][0] + drifts[1][1][0])])
-        return C_b_n.T @ in_n, np.sqrt((C_b_n.T**2) @ deviation_in_n**2)
+        return C_b_n.T @ in_n, np.sqrt((C_b_n.T**2) @ variances)
+
+    def _variances(self, compensation: Compensation, C_b_n: Array, dwell: slice) -> Array:
+        """Variances, (rad/s)^2, of the rates about east, north, up that bends and line of one dwell tell."""
+        gyro, accel = _compensated(self.recording, compensation)
+        (_, rate), (_, force) = (_mean(increments[dwell], self.recording.dt) for increments in (gyro, accel))
+        rates, forces = (C_b_n**2) @ rate**2, (C_b_n**2) @ force**2
+        reach = np.linalg.norm(self.gravity) * self.recording.dt * (dwell.stop - dwell.start)
+        level = _BEND[0] * rates[:2] + _BEND[1] * forces[1::-1] / reach**2  # a rate about east bends the way north
+        return np.append(level, _LINE * rates[2])
 
     def by_rates(self, trajectory: Trajectory, compensation: Compensation, C_b_n: Array) -> tuple[Solution, Array]:
         """Least squares for biases and a small rotation of the start, from the means of both dwells."""
@@ -270,7 +284,7 @@ def _require_half_turn(test: TurnTest) -> None:
 
 
 def _require_plausible(recording: Recording, compensation: Compensation, gravity: float) -> None:
-    plausibility.check([recording], checks.instance("compensation", compensation, Compensation), gravity)
+    plausibility.check([recording], compensation, gravity)
     gyro, _ = _compensated(recording, compensation)
     for number, dwell in enumerate(recording.dwells, start=1):
         plausibility.warn_of_drift(gyro[slice(*dwell)] / recording.dt, recording.dt, f"dwell {number} of `recording`")
