@@ -1,0 +1,13 @@
+"""Gyrocompass of three gyros on a mount that turns them about the deck's normal.
+
+==================  =====================================================================================
+module              answers
+==================  =====================================================================================
+`frames`            which axes has the thesis, which the package, and how does one come to the other?
+`mechanisation`     what do gyro readings, the mount's angle and specific force say of attitude, velocity, position?
+`error_model`       how do errors of these grow, and what does aiding see of them?
+`laws`              how does the mount turn, and what may a gyro or a recording not follow?
+`encoder`           what does the mount's angle sensor say of that?
+`accuracy`          how well can heading be known at best, under any law?
+==================  =====================================================================================
+"""
