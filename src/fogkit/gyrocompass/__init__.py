@@ -9,5 +9,7 @@ module              answers
 `laws`              how does the mount turn, and what may a gyro or a recording not follow?
 `encoder`           what does the mount's angle sensor say of that?
 `accuracy`          how well can heading be known at best, under any law?
+`motions`           what does a vessel do, and what do its sensors then read?
+`covariance`        how well is each state known over a motion, with an aid?
 ==================  =====================================================================================
 """

@@ -6,6 +6,7 @@ height; biases of the gyros x, y, z; their scale factors.
 
 import math
 
+import numpy as np
 from numba import njit
 
 from fogkit.constants import EARTH_RATE
@@ -98,3 +99,119 @@ def system_matrix(state, rates, force, mount_angle, mount_rate, axes, radius, gr
     F[7, 6] = ve * tl * inv / cl
     F[7, 8] = -ve * inv * inv / cl
     F[8, 4] = 1.0
+
+
+@njit(cache=True, nogil=True)
+def covariance_step(P, F, dt, angle_noise, force_noise, walks, M):
+    """Advance the covariance P, shape (15, 15), by a step, in place; M is scratch of the same shape.
+
+    The transition is the exponential to second order. `angle_noise` and `force_noise`, shape (3, 3), are spectral
+    densities in the rows of angles and of velocity; `walks`, shape (15,), those of random walks of the states.
+    """
+    for i in range(9):
+        for k in range(15):
+            M[i, k] = 0.5 * dt * F[i, k]
+        M[i, i] += 1.0
+    # Phi = I + dt (I + F dt/2) F; rows of the biases and scale factors are those of the unit matrix
+    Phi = np.zeros((9, 15))
+    for i in range(9):
+        for k in range(9):
+            f = dt * M[i, k]
+            if f != 0.0:
+                for j in range(15):
+                    Phi[i, j] += f * F[k, j]
+        Phi[i, i] += 1.0
+    for i in range(9):
+        for j in range(15):
+            M[i, j] = 0.0
+        for k in range(15):
+            f = Phi[i, k]
+            if f != 0.0:
+                for j in range(15):
+                    M[i, j] += f * P[k, j]
+    for i in range(9):
+        for j in range(i + 1):
+            total = 0.0
+            for k in range(15):
+                total += M[i, k] * Phi[j, k]
+            P[i, j] = total
+            P[j, i] = total
+        for j in range(9, 15):
+            P[i, j] = M[i, j]
+            P[j, i] = M[i, j]
+    for i in range(3):
+        for j in range(3):
+            P[i, j] += dt * angle_noise[i, j]
+            P[3 + i, 3 + j] += dt * force_noise[i, j]
+    for i in range(15):
+        P[i, i] += dt * walks[i]
+
+
+@njit(cache=True, nogil=True)
+def covariance_update(P, row, variance):
+    """Measure a state with a variance: update P in place. Return the variance of the innovation."""
+    S = P[row, row] + variance
+    column = P[:, row].copy()
+    for i in range(15):
+        gain = column[i] / S
+        for j in range(i + 1):
+            value = P[i, j] - gain * column[j]
+            P[i, j] = value
+            P[j, i] = value
+    return S
+
+
+@njit(cache=True, nogil=True)
+def covariance_run(
+    P,  # covariance at the start, shape (15, 15); that at the end on return
+    states,  # CompassState.to_vector at each step, shape (n, 9)
+    rates,  # of the gyros, shape (n, 3)
+    force,  # specific force in the hull, shape (n, 3)
+    mount_angle,  # shape (n,)
+    mount_rate,  # shape (n,)
+    axes,  # C_p_m, shape (3, 3)
+    earth_radius,
+    gravity,  # on the sphere
+    dt,
+    gyro_density,  # of the gyros' white noise, shape (3,)
+    force_density,  # of the accelerometers' white noise
+    walks,  # shape (15,)
+    aided,  # which of the states are measured, shape (m,)
+    variances,  # of the measurements, shape (m,)
+    every,  # steps from one measurement to the next; 0: none
+    keep,  # steps from one row of the output to the next
+    out,  # standard deviations, shape (n // keep + 1, 15)
+):
+    """Covariance of the linear error model along a motion. Return the step where it ceased to be one, or -1."""
+    F, M = np.empty((15, 15)), np.empty((15, 15))
+    angle_noise, force_noise = np.zeros((3, 3)), np.zeros((3, 3))
+    n = states.shape[0] - 1
+    for i in range(3):
+        force_noise[i, i] = force_density
+    for step in range(n + 1):
+        if every > 0 and step % every == 0:
+            for k in range(aided.shape[0]):
+                covariance_update(P, aided[k], variances[k])
+        if step % keep == 0:
+            for i in range(15):
+                if not P[i, i] >= 0.0:
+                    return step
+                out[step // keep, i] = math.sqrt(P[i, i])
+        if step == n:
+            break
+        # the middle of the step: second order, as the transition is
+        now, after = states[step], states[step + 1]
+        state = 0.5 * (now + after)
+        radius = earth_radius + state[8]
+        there = gravity * (earth_radius / radius) * (earth_radius / radius)
+        angle, rate = 0.5 * (mount_angle[step] + mount_angle[step + 1]), 0.5 * (mount_rate[step] + mount_rate[step + 1])
+        turned, pushed = 0.5 * (rates[step] + rates[step + 1]), 0.5 * (force[step] + force[step + 1])
+        system_matrix(state, turned, pushed, angle, rate, axes, radius, there, F)
+        for i in range(3):
+            for j in range(3):
+                total = 0.0
+                for k in range(3):
+                    total += F[i, 9 + k] * F[j, 9 + k] * gyro_density[k]
+                angle_noise[i, j] = total
+        covariance_step(P, F, dt, angle_noise, force_noise, walks, M)
+    return -1
