@@ -7,8 +7,9 @@ from scipy.special import j0, jv
 
 from fogkit.constants import EARTH_RATE
 from fogkit.gyrocompass import accuracy, frames, mechanisation
+from fogkit.gyrocompass.encoder import Encoder, UnsteadyLaw
 from fogkit.gyrocompass.laws import ConstantSpeedReversal, DwellAndTurn, Fixed, OneWay, QuasiHarmonic
-from fogkit.units import DEG, DEG_PER_HOUR, DEG_PER_SQRT_HOUR
+from fogkit.units import ARCMIN, DEG, DEG_PER_HOUR, DEG_PER_SQRT_HOUR
 
 LAT, NOISE = 60 * DEG, 0.0176 * DEG_PER_SQRT_HOUR
 IDEAL = NOISE / (EARTH_RATE * np.cos(LAT) * np.sqrt(300.0))
@@ -150,6 +151,58 @@ def test_rate_random_walk_against_generalised_least_squares():
 def test_tilt_under_any_law():
     # an east drift of omega sin(lat) tilt over the level rate
     assert_allclose(accuracy.accelerometer_share(LAT, 1e-3), 1e-3 * np.tan(LAT), rtol=1e-15)
+
+
+def heading_by_three_gyros(law, encoder, steps=12000):
+    """Heading less the true one, from readings at rest fitted with the angle and rate that the encoder gives."""
+    t = 300.0 * (np.arange(steps) + 0.5) / steps
+    x = np.array([0.7, 0, 0, 0, 0, 0, 0, 0])
+    truth = readings(law, t, x)
+    wrong = law.angle(t) + encoder.error(law, t)
+
+    def fitted(heading):
+        C_h_g = frames.hull_attitude(heading, 0.0, 0.0)
+        hull = np.tile(C_h_g.T @ mechanisation.geographic_rate(LAT, np.zeros(3)), (steps, 1))
+        return mechanisation.gyro_rates(hull, wrong, law.rate(t))
+
+    slope = (fitted(0.7001) - fitted(0.6999)).ravel() / 2e-4
+    residual = (truth - fitted(0.7)).ravel()
+    A = np.column_stack([slope, *np.tile(np.eye(3), (steps, 1)).T])
+    return np.linalg.lstsq(A / np.linalg.norm(A, axis=0), residual)[0][0] / np.linalg.norm(slope)
+
+
+ENCODERS = {
+    "offset": Encoder(offset=ARCMIN),
+    "once a turn": Encoder(harmonic=ARCMIN, phase=np.pi / 2),
+    "delay": Encoder(delay=0.01),
+    "twist": Encoder(compliance=0.05 * ARCMIN),
+}
+
+
+@pytest.mark.parametrize("encoder", ENCODERS.values(), ids=ENCODERS)
+@pytest.mark.parametrize("name", ["off centre", "reversal"])
+def test_encoder_share_against_a_fit_of_three_gyros(name, encoder):
+    truth = heading_by_three_gyros(LAWS[name], encoder)
+    # the square of the error, at most 11 arcmin or 3e-3 rad for the delay: 1e-5; sums as above
+    assert_allclose(accuracy.encoder_share(LAWS[name], encoder, 300.0), truth, atol=1e-5, rtol=1e-3)
+
+
+def test_hard_reversals_cost_no_heading():
+    hard = ConstantSpeedReversal(amplitude=np.pi, period=60.0, reversal_time=0.2)
+    gentle = LAWS["thesis"]
+    for encoder in (ENCODERS["delay"], ENCODERS["twist"], Encoder(backlash=6 * ARCMIN)):
+        # delay, 11 arcmin at the largest rate: none of it but the square of the sum's step
+        for law in (hard, gentle):
+            assert abs(accuracy.encoder_share(law, encoder, 300.0)) < 0.01 * ARCMIN
+    eccentric = ENCODERS["once a turn"]
+    assert abs(accuracy.encoder_share(gentle, eccentric, 300.0)) > 0.1 * ARCMIN
+    assert abs(accuracy.encoder_share(hard, eccentric, 300.0)) < 0.01 * ARCMIN
+    # an unsteady speed is no error of the angle, but another law: its mean direction alone counts
+    unsteady = UnsteadyLaw(law=hard, fraction=0.05)
+    known = accuracy.heading_bound(unsteady, 300.0, LAT, NOISE)
+    assert_allclose(known.std, IDEAL, rtol=1e-3)
+    with pytest.raises(ValueError, match="`law` must turn the mount"):
+        accuracy.encoder_share(Fixed(), eccentric, 300.0)
 
 
 def test_bad_input():

@@ -26,6 +26,7 @@ from numpy.typing import ArrayLike, NDArray
 from fogkit import checks
 from fogkit.constants import EARTH_RATE
 from fogkit.earth import POLE_MARGIN, checked_latitude
+from fogkit.gyrocompass.encoder import Encoder
 from fogkit.gyrocompass.laws import MountLaw
 
 Array = NDArray[np.float64]
@@ -212,6 +213,44 @@ def accelerometer_share(lat: float, tilt_std: float) -> float:
     leave a tilt of their bias over gravity, which the mount does not turn.
     """
     return float(abs(np.tan(_latitude(lat))) * checks.non_negative("tilt_std", tilt_std, "rad"))
+
+
+def encoder_share(law: MountLaw, encoder: Encoder, duration: float) -> float:
+    """Error of heading from a wrong angle of the mount, for a level gyrocompass at rest with unknown biases.
+
+    Parameters
+    ----------
+    law : MountLaw
+        What the mount does.
+    encoder : Encoder
+        Errors of its angle sensor; the noise is left out.
+    duration : float
+        Time of the measurement, s.
+
+    Returns
+    -------
+    float
+        Error of the least-squares heading to first order in the sensor's, rad.
+
+    Raises
+    ------
+    ValueError
+        If the law leaves no information on heading beside the biases.
+
+    Notes
+    -----
+    With the error ``e`` and means over the time, ``(mean(e) - Re(conj(m) * mean(e exp(i beta)))) / (1 - |m|**2)``. A
+    constant error passes whole. Errors that are odd in rate or acceleration (delay, backlash, twist at the reversals)
+    have no mean over whole periods of a law that is the same to and fro, whether its reversals are gentle or hard.
+    """
+    t = _times(checks.instance("law", law, MountLaw), duration)
+    error = checks.instance("encoder", encoder, Encoder).error(law, t)
+    signal = np.exp(1j * law.angle(t))
+    m = signal.mean()
+    efficiency = 1 - abs(m) ** 2
+    if efficiency < 1e-9:
+        raise ValueError(f"`law` must turn the mount, got an efficiency of {efficiency:.3g}: heading is lost in biases")
+    return float((error.mean() - (m.conjugate() * (error * signal).mean()).real) / efficiency)
 
 
 def best_harmonic_amplitude() -> float:
