@@ -21,7 +21,6 @@ from numpy.typing import ArrayLike, NDArray
 from fogkit import checks
 from fogkit.gyrocompass import _kernels
 from fogkit.gyrocompass.error_model import STATES
-from fogkit.gyrocompass.frames import pyramid_axes
 from fogkit.gyrocompass.mechanisation import EARTH_RADIUS
 from fogkit.gyrocompass.motions import Motion
 from fogkit.units import DEG, DEG_PER_HOUR, PERCENT
@@ -179,7 +178,12 @@ class CovarianceRun:
 
 
 def run_covariance(
-    motion: Motion, noise: Noise, aid: Aid, prior: Prior | ArrayLike | None = None, output_interval: float = 1.0
+    motion: Motion,
+    noise: Noise,
+    aid: Aid,
+    prior: Prior | ArrayLike | None = None,
+    *,
+    output_interval: float = 1.0,
 ) -> CovarianceRun:
     """Covariance of an aided gyrocompass along a motion.
 
@@ -219,7 +223,7 @@ def run_covariance(
     out = np.empty((rows, 15))
     failed = _kernels.covariance_run(
         *(P, motion.states, motion.rates, motion.specific_force, motion.mount_angle, motion.mount_rate),
-        *(pyramid_axes(), EARTH_RADIUS, motion.gravity, dt),
+        *(motion.axes, EARTH_RADIUS, motion.gravity, dt),
         *(np.square(noise.angle_random_walk), noise.velocity_random_walk**2, walks, aided, variances, every, keep, out),
     )
     if failed >= 0:

@@ -6,15 +6,15 @@ References
    St Petersburg, 2015, chapter 3.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from fogkit import checks
 from fogkit.constants import STANDARD_GRAVITY
 from fogkit.earth import POLE_MARGIN, checked_latitude
-from fogkit.gyrocompass.frames import hull_attitude
+from fogkit.gyrocompass.frames import hull_attitude, pyramid_axes
 from fogkit.gyrocompass.laws import Fixed, MountLaw
 from fogkit.gyrocompass.mechanisation import checked_trim, geographic_rate, gyro_rates
 
@@ -39,6 +39,8 @@ class Motion:
         rad, rad/s.
     gravity : float
         Gravity on the sphere, m/s^2.
+    axes : ndarray, shape (3, 3)
+        ``C_p_m``, the gyros' input axes in the mount; those of the pyramid, unless gyros stand otherwise.
     """
 
     time: Array
@@ -48,6 +50,7 @@ class Motion:
     mount_angle: Array
     mount_rate: Array
     gravity: float = STANDARD_GRAVITY
+    axes: Array = field(default_factory=pyramid_axes)
 
     @property
     def dt(self) -> float:
@@ -96,7 +99,13 @@ class Vessel:
         object.__setattr__(self, "roll_period", checks.positive("roll_period", self.roll_period, "s"))
 
     def motion(
-        self, duration: float, dt: float, law: MountLaw | None = None, gravity: float = STANDARD_GRAVITY
+        self,
+        duration: float,
+        dt: float,
+        law: MountLaw | None = None,
+        *,
+        gravity: float = STANDARD_GRAVITY,
+        axes: ArrayLike | None = None,
     ) -> Motion:
         """Motion with a law of the mount, from time 0.
 
@@ -108,6 +117,8 @@ class Vessel:
             Law of the mount; switched off at angle 0 if not given.
         gravity : float, optional
             m/s^2.
+        axes : array_like, shape (3, 3), optional
+            ``C_p_m`` of gyros that stand on the mount in another way than the pyramid's, each in a column.
 
         Returns
         -------
@@ -117,8 +128,9 @@ class Vessel:
         Raises
         ------
         ValueError
-            If the law is sampled too coarsely (`MountLaw.sample_times`).
+            If the law is sampled too coarsely (`MountLaw.sample_times`), or `axes` is no rotation.
         """
+        axes = pyramid_axes() if axes is None else checks.rotation_matrix("axes", axes)
         law = Fixed() if law is None else checks.instance("law", law, MountLaw)
         t = law.sample_times(duration, dt)
         frequency = 2 * np.pi / self.roll_period
@@ -138,9 +150,10 @@ class Vessel:
         return Motion(
             time=t,
             states=states,
-            rates=gyro_rates(hull, angle, rate),
+            rates=gyro_rates(hull, angle, rate) @ pyramid_axes().T @ axes,
             specific_force=to_hull @ force_g,
             mount_angle=angle,
             mount_rate=rate,
             gravity=checks.positive("gravity", gravity, "m/s^2"),
+            axes=axes,
         )
