@@ -7,7 +7,7 @@ import statsmodels.formula.api as smf
 from numpy.testing import assert_allclose
 from scipy import stats
 
-from fogkit.reproduction.beihang import temperature
+from fogkit.reproduction.beihang import temperature_points
 from fogkit.thermal import ThermalNetwork, cross_validate, experiment, fit, models, prune, rates, separability
 from fogkit.thermal.selection import FTest, partial_f
 
@@ -155,20 +155,20 @@ def test_family_wise_level_holds():
 
 @pytest.mark.slow
 def test_pruning_finds_the_true_points_in_200_campaigns():
-    found = temperature.pruning_rates(range(200))
+    found = temperature_points.pruning_rates(range(200))
     assert found.runs == 200
     assert found.kept_true >= 0.95 and found.exact >= 0.95
 
 
 def test_weak_effects_and_noisy_thermometers_hide_the_points():
     # 20 campaigns of a true share of 0.45; with 0.05 K a point that counts is never clear
-    assert temperature.pruning_rates(range(20), strength=0.1).exact < 0.8
-    assert temperature.pruning_rates(range(20), thermometer_noise=0.05).exact == 0
+    assert temperature_points.pruning_rates(range(20), strength=0.1).exact < 0.8
+    assert temperature_points.pruning_rates(range(20), thermometer_noise=0.05).exact == 0
 
 
 @pytest.mark.parametrize("treatment", ["samples", pytest.param("samples, hac", marks=pytest.mark.slow), "rows"])
 def test_other_treatments_keep_false_points(treatment):
-    found = temperature.pruning_rates(range(1), treatment)
+    found = temperature_points.pruning_rates(range(1), treatment)
     assert found.kept_true == 1 and found.exact == 0
 
 

@@ -51,9 +51,6 @@ References
 """
 
 import warnings
-from collections.abc import Callable
-from dataclasses import dataclass, field
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -62,137 +59,18 @@ from scipy.spatial.transform import Rotation
 
 from fogkit import checks, earth
 from fogkit.navigation import _kernels
+from fogkit.navigation._gravity import Gravity, GravityModel, contiguous, followed, gravity_model
 from fogkit.navigation.increments import time_step, values
+from fogkit.navigation.states import State, Trajectory
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
 Array = NDArray[np.float64]
-#: What `integrate` takes for gravity.
-Gravity = float | ArrayLike | Callable[[Array, Array, Array], ArrayLike] | None
 
-#: Columns of `Trajectory.to_frame`: rad, m, m/s.
-TRAJECTORY_COLUMNS = (
-    *("lat", "lon", "alt"),
-    *("velocity_east", "velocity_north", "velocity_up"),
-    *("heading", "pitch", "roll"),
-)
 _CORRECTIONS = {"none": _kernels.NONE, "previous": _kernels.PREVIOUS, "central": _kernels.CENTRAL}
 # A unit at rest whose specific force departs from gravity by a larger factor than this, either way, is in wrong units.
 _GRAVITY_FACTOR = 2.0
-# Change of gravity from pass to pass, m/s^2, at which a gravity function counts as followed: rounding of 9.8 m/s^2.
-_GRAVITY_SETTLED = 1e-14
-_MAX_PASSES = 50
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class State:
-    """Where a body is, how fast it moves and how it stands; or many of them.
-
-    Parameters
-    ----------
-    lat : array_like, shape (...,)
-        Geodetic latitude, rad, at least `fogkit.earth.POLE_MARGIN` from a pole.
-    C_b_n : array_like, shape (..., 3, 3)
-        Attitude.
-    v_eb_n : array_like, shape (..., 3), optional
-        Velocity relative to the Earth, east, north, up, m/s; at rest by default.
-    lon, alt : array_like, shape (...,), optional
-        Longitude, rad, and height above the ellipsoid, m.
-
-    Raises
-    ------
-    ValueError
-        If an argument is out of range or not finite, or shapes do not broadcast to each other.
-
-    Notes
-    -----
-    The fields are arrays, broadcast to the common shape `shape` of leading axes.
-    """
-
-    lat: ArrayLike
-    C_b_n: ArrayLike
-    v_eb_n: ArrayLike = (0.0, 0.0, 0.0)
-    lon: ArrayLike = 0.0
-    alt: ArrayLike = 0.0
-    shape: tuple[int, ...] = field(init=False, repr=False)
-
-    def __post_init__(self) -> None:
-        fields = {
-            "lat": (earth.checked_latitude(self.lat, pole_margin=earth.POLE_MARGIN), 0),
-            "C_b_n": (checks.rotation_matrix("C_b_n", self.C_b_n), 2),
-            "v_eb_n": (checks.finite_array("v_eb_n", self.v_eb_n, shape=(..., 3)), 1),
-            "lon": (checks.finite_array("lon", self.lon), 0),
-            "alt": (checks.finite_array("alt", self.alt), 0),
-        }
-        leading = {name: value.shape[: value.ndim - axes] for name, (value, axes) in fields.items()}
-        try:
-            shape = np.broadcast_shapes(*leading.values())
-        except ValueError:
-            raise ValueError(f"leading axes must broadcast to each other, got {leading}") from None
-        object.__setattr__(self, "shape", shape)
-        for name, (value, axes) in fields.items():
-            object.__setattr__(self, name, np.broadcast_to(value, shape + value.shape[value.ndim - axes :]))
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class Trajectory:
-    """What a navigation gives: states at times, of one run or, in leading axes, of many.
-
-    Attributes
-    ----------
-    time : ndarray, shape (rows,)
-        Time, s; the first row is the start.
-    lat, lon, alt : ndarray, shape (..., rows)
-        Geodetic latitude and longitude, rad, and height above the ellipsoid, m.
-    v_eb_n : ndarray, shape (..., rows, 3)
-        Velocity relative to the Earth, east, north, up, m/s.
-    quaternion : ndarray, shape (..., rows, 4), or None
-        Attitude as unit quaternion of `C_b_n`, scalar last as in SciPy; None if it was not kept.
-    """
-
-    time: Array
-    lat: Array
-    lon: Array
-    alt: Array
-    v_eb_n: Array
-    quaternion: Array | None
-
-    @cached_property
-    def C_b_n(self) -> Array:
-        """Attitude, shape (..., rows, 3, 3)."""
-        return self._rotation().as_matrix().reshape(*self.quaternion.shape[:-1], 3, 3)
-
-    @cached_property
-    def heading_pitch_roll(self) -> tuple[Array, Array, Array]:
-        """Angles, rad, each of shape (..., rows), as `fogkit.rotation.heading_pitch_roll_from_dcm` has them."""
-        angles = self._rotation().as_euler("ZXY").reshape(*self.quaternion.shape[:-1], 3)
-        return -angles[..., 0], angles[..., 1], angles[..., 2]
-
-    def state(self, row: int = -1) -> State:
-        """State at a row, from which navigation can go on; the last one by default."""
-        return State(
-            lat=self.lat[..., row],
-            lon=self.lon[..., row],
-            alt=self.alt[..., row],
-            v_eb_n=self.v_eb_n[..., row, :],
-            C_b_n=self.C_b_n[..., row, :, :],
-        )
-
-    def to_frame(self) -> "DataFrame":
-        """Table of one run: index ``time``, s, columns `TRAJECTORY_COLUMNS`, rad, m and m/s."""
-        import pandas as pd
-
-        if self.lat.ndim != 1:
-            raise ValueError(f"only one run makes a table, got runs of shape {self.lat.shape[:-1]}")
-        columns = (self.lat, self.lon, self.alt, *self.v_eb_n.T, *self.heading_pitch_roll)
-        table = np.stack(columns).T  # column by column, as pandas stores it
-        return pd.DataFrame(table, index=pd.Index(self.time, name="time"), columns=list(TRAJECTORY_COLUMNS), copy=False)
-
-    def _rotation(self) -> Rotation:
-        if self.quaternion is None:
-            raise ValueError("the attitude was not kept: navigate with `keep_attitude=True`")
-        return Rotation.from_quat(self.quaternion.reshape(-1, 4))
 
 
 def integrate(
@@ -322,18 +200,18 @@ def integrate_arrays(
     scheme = _CORRECTIONS[checks.option("corrections", corrections, _CORRECTIONS)]
     start = _broadcast(checks.instance("start", start, State), runs)
     resets = _reset_steps(velocity_reset, dt, steps, runs)
-    model = _gravity_model(gravity, start, runs, steps)
+    model = gravity_model(gravity, start, runs, steps)
     _warn_of_units(dv, dt, start, model)
 
     count = int(np.prod(runs))
     flat = (dtheta.reshape(count, steps, 3), dv.reshape(count, steps, 3))
     initial = (
         Rotation.from_matrix(start.C_b_n.reshape(count, 3, 3)).as_quat(),
-        _own(start.v_eb_n, count, 3),
-        _own(np.stack([start.lat, start.lon, start.alt], axis=-1), count, 3),
+        contiguous(start.v_eb_n, count, 3),
+        contiguous(np.stack([start.lat, start.lon, start.alt], axis=-1), count, 3),
     )
 
-    def run(model: "_GravityModel", every: int, keep_attitude: bool) -> tuple[Array, Array, Array]:
+    def run(model: "GravityModel", every: int, keep_attitude: bool) -> tuple[Array, Array, Array]:
         rows = 1 + steps // every
         outputs = (
             np.empty((count, rows if keep_attitude else 0, 4)),
@@ -360,7 +238,7 @@ def integrate_arrays(
         return outputs
 
     if callable(gravity):
-        model = _followed(gravity, run, initial[2], steps, position_fixed)
+        model = followed(gravity, run, initial[2], steps, position_fixed)
     quaternion, velocity, position = run(model, every, keep_attitude)
     rows = velocity.shape[1]
     if position_fixed:
@@ -376,14 +254,6 @@ def integrate_arrays(
     )
 
 
-@dataclass(frozen=True)
-class _GravityModel:
-    """Gravity as the kernel takes it: vectors of each run and step, and whether normal gravity is added to them."""
-
-    vectors: Array  # shape (runs or 1, n or 1, 3)
-    normal: bool
-
-
 def _pair(dtheta_ib_b: ArrayLike, dv_ib_b: ArrayLike) -> tuple[Array, Array]:
     """Both kinds of increments, of one shape (..., n, 3); contiguous and writable, as the kernel is compiled for."""
     dtheta = checks.finite_array("dtheta_ib_b", dtheta_ib_b, shape=(..., None, 3))
@@ -397,11 +267,6 @@ def _pair(dtheta_ib_b: ArrayLike, dv_ib_b: ArrayLike) -> tuple[Array, Array]:
             "`fogkit.navigation.increments.increments_from_rates` makes them from rates."
         )
     return np.require(dtheta, requirements=["C", "W"]), np.require(dv, requirements=["C", "W"])
-
-
-def _own(values: Array, *shape: int) -> Array:
-    """Contiguous copy, reshaped: for any other layout the kernel would be compiled anew."""
-    return np.array(values, order="C").reshape(shape)
 
 
 def _broadcast(start: State, runs: tuple[int, ...]) -> State:
@@ -430,53 +295,7 @@ def _reset_steps(times: ArrayLike | None, dt: float, steps: int, runs: tuple[int
             nearest = np.broadcast_to(nearest, (*runs, times.shape[-1]))
         except ValueError:
             raise ValueError(f"`velocity_reset` must have the leading axes {runs} of runs, got {times.shape}") from None
-    return np.sort(_own(nearest, -1, times.shape[-1]), axis=-1)
-
-
-def _gravity_model(gravity: Gravity, start: State, runs: tuple[int, ...], steps: int) -> _GravityModel:
-    """Model from what the caller has; of a function, its value at the start."""
-    if gravity is None:
-        return _GravityModel(np.zeros((1, 1, 3)), True)
-    if callable(gravity):
-        return _GravityModel(_own(_evaluated(gravity, start.lat, start.lon, start.alt), -1, 1, 3), False)
-    vectors = checks.finite_array("gravity", gravity)
-    if vectors.ndim == 0:
-        return _GravityModel(np.array([[[0.0, 0.0, -float(vectors)]]]), False)
-    if vectors.shape == (3,):
-        return _GravityModel(_own(vectors, 1, 1, 3), False)
-    try:
-        vectors = np.broadcast_to(vectors, (*(runs if vectors.ndim > 2 else ()), steps, 3))
-    except ValueError:
-        needed = f"None, a number, a vector of shape (3,) or vectors of shape (..., {steps}, 3), one for each step"
-        raise ValueError(f"`gravity` must be {needed}, got shape {vectors.shape}") from None
-    return _GravityModel(_own(vectors, -1, steps, 3), False)
-
-
-def _evaluated(gravity: Callable, lat: Array, lon: Array, alt: Array) -> Array:
-    """Values of a gravity function, checked."""
-    return checks.finite_array("gravity(lat, lon, alt)", gravity(lat, lon, alt), shape=(*np.shape(lat), 3))
-
-
-def _followed(gravity: Callable, run: Callable, origin: Array, steps: int, position_fixed: bool) -> _GravityModel:
-    """Model whose vectors are what a gravity function has where they lead.
-
-    What is iterated is the small difference to normal gravity: the first pass has it right almost everywhere.
-    """
-    if position_fixed:
-        return _GravityModel(_own(_evaluated(gravity, *origin.T), -1, 1, 3), False)
-    excess = np.zeros((1, 1, 3))
-    for _ in range(_MAX_PASSES):
-        _, _, position = run(_GravityModel(excess, True), 1, False)
-        lat, lon, alt = np.moveaxis(position, -1, 0)
-        at_nodes = _evaluated(gravity, lat, lon, alt) - earth.gravity_n(lat, alt)
-        previous, excess = excess, 0.5 * (at_nodes[:, :-1] + at_nodes[:, 1:])
-        if np.abs(excess - previous).max() <= _GRAVITY_SETTLED:
-            return _GravityModel(excess, True)
-    change = np.abs(excess - previous).max()
-    raise ValueError(
-        f"`gravity` must vary smoothly enough to be followed: after {_MAX_PASSES} passes it still changes by "
-        f"{change:.3g} m/s^2. Navigate in shorter pieces."
-    )
+    return np.sort(contiguous(nearest, -1, times.shape[-1]), axis=-1)
 
 
 def _require_on_earth(left: NDArray[np.int64], dt: float, start_time: float) -> None:
@@ -491,7 +310,7 @@ def _require_on_earth(left: NDArray[np.int64], dt: float, start_time: float) -> 
     )
 
 
-def _warn_of_units(dv: Array, dt: float, start: State, model: _GravityModel) -> None:
+def _warn_of_units(dv: Array, dt: float, start: State, model: GravityModel) -> None:
     """Warn if a unit at rest does not feel gravity in the first second."""
     if model.normal:
         expected = earth.normal_gravity(start.lat, start.alt)
