@@ -6,7 +6,8 @@ module              answers
 `frames`            which axes has the thesis, which the package, and how does one come to the other?
 `mechanisation`     what do gyro readings, the mount's angle and specific force say of attitude, velocity, position?
 `error_model`       how do errors of these grow, and what does aiding see of them?
-`laws`              how does the mount turn, and what may a gyro or a recording not follow?
+`laws`              how does the mount turn, and how fast must it be sampled?
+`gyro_range`        what does a law ask of the gyros?
 `encoder`           what does the mount's angle sensor say of that?
 `accuracy`          how well can heading be known at best, under any law?
 `motions`           what does a vessel do, and what do its sensors then read?

@@ -135,6 +135,45 @@ def gyro_rates(omega_ih_h: ArrayLike, mount_angle: ArrayLike, mount_rate: ArrayL
     return in_mount @ pyramid_axes()
 
 
+def hull_increments(dtheta: ArrayLike, mount_angle: ArrayLike) -> Array:
+    """Integrals of the hull's rate over steps, from those of the gyros and the mount's angles between them.
+
+    Parameters
+    ----------
+    dtheta : array_like, shape (n, 3)
+        Integrals of the rates of the gyros of the pyramid over each step, rad.
+    mount_angle : array_like, shape (n + 1,)
+        Angles of the mount at the ends of the steps, rad.
+
+    Returns
+    -------
+    ndarray, shape (n, 3)
+        Integrals of ``omega_ih_h``, forward, up, starboard, rad: exact for a hull whose rate is constant and a mount
+        whose rate is constant over the step, else to the third order of the step. ``TO_PACKAGE`` of
+        `fogkit.gyrocompass.frames` makes them those of the body that `fogkit.navigation.integrate_arrays` takes.
+
+    Raises
+    ------
+    ValueError
+        If there is not one angle more than steps, or the mount turns by more than half a turn in a step.
+    """
+    dtheta = checks.finite_array("dtheta", dtheta, shape=(None, 3))
+    needed = "One angle at each end of a step."
+    angle = checks.finite_array("mount_angle", mount_angle, shape=(len(dtheta) + 1,), fix=needed)
+    turned = np.diff(angle)
+    if np.abs(turned).max() > np.pi:
+        raise ValueError(
+            f"`mount_angle` must not change by more than pi in a step, got {np.abs(turned).max():.3g} rad: unwrap it "
+            "(`numpy.unwrap`), or sample faster"
+        )
+    in_mount = dtheta @ pyramid_axes().T
+    in_mount[:, 1] -= turned
+    # a level vector of the hull seen from the turning mount is shortened by the mean of its turn about the middle
+    in_mount[:, [0, 2]] /= np.sinc(turned / (2 * np.pi))[:, np.newaxis]
+    middle = mount_attitude((angle[1:] + angle[:-1]) / 2)
+    return (middle @ in_mount[..., np.newaxis])[..., 0]
+
+
 def geographic_rate(lat: ArrayLike, velocity: ArrayLike, alt: ArrayLike = 0.0) -> Array:
     """Rate of north-up-east against inertial space: (5) of [1]_.
 

@@ -75,4 +75,4 @@ def random_walk_of_the_data_sheet(sides: int) -> float:
     if sides not in (1, 2):
         raise ValueError(f"`sides` must be 1 or 2, got {sides!r}")
     density = DATA_SHEET_NOISE / DATA_SHEET_SCALE
-    return density / np.sqrt(2) if sides == 1 else density
+    return density / float(np.sqrt(2)) if sides == 1 else density
