@@ -64,16 +64,19 @@ class Prior:
     def __post_init__(self) -> None:
         for name in ("heading", "level", "velocity", "position", "height", "bias", "scale_factor"):
             object.__setattr__(self, name, checks.non_negative(name, getattr(self, name)))
-        if self.heading > LARGEST_HEADING_STD:
+
+    def covariance(self, lat: float, *, linear: bool = True) -> Array:
+        """Covariance of the states at a latitude, rad: shape (15, 15).
+
+        Warn, unless `linear` is False, if heading is known so badly that an error model linear in it is a poor one.
+        """
+        if linear and self.heading > LARGEST_HEADING_STD:
             warnings.warn(
                 f"`heading` of {self.heading / DEG:.3g} deg is beyond {LARGEST_HEADING_STD / DEG:.0f} deg, where a "
-                "linear error model is a poor one",
+                "linear error model is a poor one: `filters.wander` has another",
                 UserWarning,
                 stacklevel=3,
             )
-
-    def covariance(self, lat: float) -> Array:
-        """Covariance of the states at a latitude, rad: shape (15, 15)."""
         north = self.position / EARTH_RADIUS
         std = [self.heading, *[self.level] * 2, *[self.velocity] * 3, north, north / np.cos(lat), self.height]
         return np.diag(np.square([*std, *[self.bias] * 3, *[self.scale_factor] * 3]))
@@ -211,8 +214,8 @@ def run_covariance(
         If a time is no multiple of the motion's step, or the covariance is not symmetric and positive semi-definite.
     """
     dt = checks.instance("motion", motion, Motion).dt
-    every = _multiple("aid.interval", checks.instance("aid", aid, Aid).interval, dt)
-    keep = _multiple("output_interval", checks.positive("output_interval", output_interval, "s"), dt)
+    every = multiple("aid.interval", checks.instance("aid", aid, Aid).interval, dt)
+    keep = multiple("output_interval", checks.positive("output_interval", output_interval, "s"), dt)
     prior = Prior() if prior is None else prior
     P = prior.covariance(motion.states[0, 6]) if isinstance(prior, Prior) else checked_covariance("prior", prior)
     aided = np.array([STATES.index(name) for name in aid.std])
@@ -248,8 +251,8 @@ def checked_covariance(name: str, P: ArrayLike) -> Array:
     return P
 
 
-def _multiple(name: str, interval: float, dt: float) -> int:
-    """Steps in an interval."""
+def multiple(name: str, interval: float, dt: float) -> int:
+    """Steps in an interval, after the check that it is whole steps."""
     steps = round(interval / dt)
     if steps < 1 or abs(steps * dt - interval) > 1e-6 * dt * max(steps, 1):
         raise ValueError(f"`{name}` must be a multiple of the motion's step, {dt:g} s, got {interval:g} s")

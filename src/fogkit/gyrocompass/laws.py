@@ -304,6 +304,43 @@ class OneWay(MountLaw):
 _PERIOD_FIX = "The direction of a turn is not in the sign of its period."
 
 
+@dataclass(frozen=True, kw_only=True)
+class SwitchedOn(MountLaw):
+    """A mount that stands until a time and then follows a law.
+
+    Parameters
+    ----------
+    law : MountLaw
+        Law from then on, as it is from its own time 0; the mount waits at the angle that it begins with.
+    start : float
+        Time of switching on, s. The rate may jump there, as that of a harmonic law does.
+    """
+
+    law: MountLaw
+    start: float
+
+    def __post_init__(self) -> None:
+        checks.instance("law", self.law, MountLaw)
+        object.__setattr__(self, "start", checks.non_negative("start", self.start, "s"))
+
+    @property
+    def period(self) -> float:
+        """Period of the law, s."""
+        return self.law.period
+
+    @property
+    def max_rate(self) -> float:
+        """Largest rate of the law, rad/s."""
+        return self.law.max_rate
+
+    def motion(self, t: ArrayLike) -> tuple[Array, Array, Array]:
+        """As for every law; the rate at the start is that of the law."""
+        since = checks.finite_array("t", t) - self.start
+        angle, rate, acceleration = self.law.motion(np.maximum(since, 0.0))
+        on = since >= 0
+        return angle, np.where(on, rate, 0.0), np.where(on, acceleration, 0.0)
+
+
 def _check_law(law: MountLaw) -> None:
     amplitude = checks.positive("amplitude", law.amplitude, "rad")
     fix = "Multiply degrees by `fogkit.units.DEG`."

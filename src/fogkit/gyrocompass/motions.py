@@ -16,7 +16,7 @@ from fogkit.constants import STANDARD_GRAVITY
 from fogkit.earth import POLE_MARGIN, checked_latitude
 from fogkit.gyrocompass.frames import hull_attitude, pyramid_axes
 from fogkit.gyrocompass.laws import Fixed, MountLaw
-from fogkit.gyrocompass.mechanisation import checked_trim, geographic_rate, gyro_rates
+from fogkit.gyrocompass.mechanisation import EARTH_RADIUS, checked_trim, geographic_rate, gyro_rates
 
 Array = NDArray[np.float64]
 
@@ -73,8 +73,7 @@ class Vessel:
     roll_period : float, optional
         Period of rolling, s.
     speed : float, optional
-        Speed ahead over the ground, m/s, level; the vessel then follows its heading round a small part of the sphere,
-        and its latitude is taken as constant.
+        Speed ahead over the ground, m/s, level; the vessel then follows its heading along a rhumb line.
 
     Raises
     ------
@@ -137,23 +136,33 @@ class Vessel:
         roll = self.roll + self.roll_swing * np.sin(frequency * t)
         C_h_g = hull_attitude(self.heading, self.trim, roll)
         velocity = self.speed * np.array([np.cos(self.heading), 0.0, np.sin(self.heading)])
-        omega_ig_g = geographic_rate(self.lat, velocity)
-        earth = omega_ig_g + geographic_rate(self.lat, np.zeros(3))
+        lat, lon = self._rhumb_line(t)
+        omega_ig_g = geographic_rate(lat, velocity)
+        earth = omega_ig_g + geographic_rate(lat, np.zeros(3))
         force_g = np.array([0.0, gravity, 0.0]) + np.cross(earth, velocity)
         to_hull = C_h_g.swapaxes(-1, -2)
-        hull = to_hull @ omega_ig_g
+        hull = (to_hull @ omega_ig_g[..., np.newaxis])[..., 0]
         hull[:, 0] += self.roll_swing * frequency * np.cos(frequency * t)  # rolling is about the hull's forward axis
         states = np.zeros((len(t), 9))
         states[:, 0], states[:, 1], states[:, 2] = self.heading, self.trim, roll
-        states[:, 3:6], states[:, 6] = velocity, self.lat
+        states[:, 3:6], states[:, 6], states[:, 7] = velocity, lat, lon
         angle, rate, _ = law.motion(t)
         return Motion(
             time=t,
             states=states,
             rates=gyro_rates(hull, angle, rate) @ pyramid_axes().T @ axes,
-            specific_force=to_hull @ force_g,
+            specific_force=(to_hull @ force_g[..., np.newaxis])[..., 0],
             mount_angle=angle,
             mount_rate=rate,
             gravity=checks.positive("gravity", gravity, "m/s^2"),
             axes=axes,
         )
+
+    def _rhumb_line(self, t: Array) -> tuple[Array, Array]:
+        """Latitude and longitude, rad, at times, s: longitude by the difference of isometric latitudes."""
+        north, east = self.speed / EARTH_RADIUS * np.array([np.cos(self.heading), np.sin(self.heading)])
+        lat = self.lat + north * t
+        if abs(north) * t[-1] < 1e-6:  # along a parallel: the difference below would be lost in rounding
+            return lat, east * t / np.cos(0.5 * (lat + self.lat))
+        isometric = np.arctanh(np.sin(lat)) - np.arctanh(np.sin(self.lat))
+        return lat, np.tan(self.heading) * isometric
