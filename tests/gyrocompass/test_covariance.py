@@ -170,6 +170,6 @@ def test_bad_input():
     with pytest.raises(ValueError, match="`angle_random_walk` must be one number or three"):
         Noise(angle_random_walk=-1.0)
     with pytest.warns(UserWarning, match="`heading` of 60 deg is beyond 30 deg"):
-        Prior(heading=60 * DEG)
+        Prior(heading=60 * DEG).covariance(LAT)
     with pytest.raises(ValueError, match="`roll_period` must be finite and > 0"):
         Vessel(lat=LAT, roll_period=-60.0)

@@ -13,6 +13,8 @@ from fogkit.rotation import dcm_from_rotvec
 # steps at which central differences of the fourth order are right to 1e-9 of the largest entry
 STEPS = np.array([1e-3] * 3 + [1.0] * 3 + [1e-3, 1e-3, 1000.0] + [1e-3] * 8)
 
+WAY = np.array([120.0, -70.0])
+
 
 def cases(number):
     rng = np.random.default_rng(11)
@@ -32,8 +34,9 @@ def differences(C, state, rates, force, angle, rate):
         hull = mechanisation.hull_rate(readings, angle, rate)
         wrong = state + x[3:11]
         wrong[:3] = dcm_from_rotvec(x[:3]) @ state[:3] + x[3:6]
-        turn, rest = wander.wander_rate(turned, wrong, hull, force, STANDARD_GRAVITY)
-        still, true = wander.wander_rate(C, state, mechanisation.hull_rate(rates, angle, rate), force, STANDARD_GRAVITY)
+        turn, rest = wander.wander_rate(turned, wrong, WAY, hull, force, STANDARD_GRAVITY)
+        hull = mechanisation.hull_rate(rates, angle, rate)
+        still, true = wander.wander_rate(C, state, WAY, hull, force, STANDARD_GRAVITY)
         # C_est = exp(x) C and v_est = exp(x) v + x_v: the rate of exp(x) in w is turn - exp(x) still
         E = dcm_from_rotvec(x[:3])
         rate_of_error = turn - E @ still
@@ -50,7 +53,7 @@ def differences(C, state, rates, force, angle, rate):
 def test_error_model_against_differences():
     for case in cases(12):
         C, state, rates, _, angle, _ = case
-        F, numeric = wander.wander_matrix(C, state, rates, angle, STANDARD_GRAVITY), differences(*case)
+        F, numeric = wander.wander_matrix(C, state, WAY, rates, angle, STANDARD_GRAVITY), differences(*case)
         assert not F[11:].any()
         for block in (slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 11)):  # each of one unit
             largest = np.abs(numeric[block]).max(axis=0)

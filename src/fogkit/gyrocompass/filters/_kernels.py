@@ -64,7 +64,12 @@ def advance(C, v, hull, dv, frame, coriolis, weight, dt, force, scratch):
     x, y, z = 0.5 * hull[0], 0.5 * hull[1], 0.5 * hull[2]
     p0, p1, p2 = dv[0] + y * dv[2] - z * dv[1], dv[1] + z * dv[0] - x * dv[2], dv[2] + x * dv[1] - y * dv[0]
     for i in range(3):
-        force[i] = (C[i, 0] * p0 + C[i, 1] * p1 + C[i, 2] * p2) / dt
+        scratch[i] = (C[i, 0] * p0 + C[i, 1] * p1 + C[i, 2] * p2) / dt
+    half = 0.5 * dt  # the frame turns as well
+    force[0] = scratch[0] - half * (frame[1] * scratch[2] - frame[2] * scratch[1])
+    force[1] = scratch[1] - half * (frame[2] * scratch[0] - frame[0] * scratch[2])
+    force[2] = scratch[2] - half * (frame[0] * scratch[1] - frame[1] * scratch[0])
+    for i in range(3):
         scratch[i] = -frame[i] * dt
     a0 = force[0] - (coriolis[1] * v[2] - coriolis[2] * v[1])
     a1 = force[1] - (coriolis[2] * v[0] - coriolis[0] * v[2]) - weight
@@ -198,7 +203,7 @@ def extended_run(
     """The thesis's filter: 15 errors about the computed state, fed back after each measurement."""
     n = dtheta.shape[0]
     F, M, h, K, x = np.empty((15, 15)), np.empty((15, 15)), np.zeros(15), np.empty(15), np.zeros(15)
-    state, angles, rates, hull = np.empty(9), np.empty(3), np.empty(3), np.empty(3)
+    state, angles, after, rates, hull = np.empty(9), np.empty(3), np.empty(3), np.empty(3), np.empty(3)
     frame, coriolis, force, scratch, mean = np.zeros(3), np.zeros(3), np.empty(3), np.empty(3), np.empty(3)
     angle_noise, force_noise = np.zeros((3, 3)), np.zeros((3, 3))
     for i in range(3):
@@ -238,10 +243,6 @@ def extended_run(
             P_out[step // keep] = P
         if step == n:
             break
-        for i in range(3):
-            state[i] = angles[i]
-        for i in range(6):
-            state[3 + i] = s[i]
         radius = earth_radius + s[5]
         weight = gravity * (earth_radius / radius) ** 2
         hull_turn(dtheta[step], s[6:9], s[9:12], mount[step], mount[step + 1], axes, dt, rates, hull)
@@ -254,6 +255,18 @@ def extended_run(
         frame[2] = -s[0] / radius
         coriolis[0], coriolis[1] = frame[0] + EARTH_RATE * cl, frame[1] + EARTH_RATE * sl
         coriolis[2] = frame[2]
+        north, up, east = s[0], s[1], s[2]
+        advance(C, s[0:3], hull, dv[step], frame, coriolis, weight, dt, force, scratch)
+        angles_of(C, after)
+        for i in range(3):  # the middle of the step
+            way = after[i] - angles[i]
+            if way > math.pi:
+                way -= 2 * math.pi
+            elif way < -math.pi:
+                way += 2 * math.pi
+            state[i] = angles[i] + 0.5 * way
+            state[6 + i] = s[3 + i]
+        state[3], state[4], state[5] = 0.5 * (north + s[0]), 0.5 * (up + s[1]), 0.5 * (east + s[2])
         angle, rate = 0.5 * (mount[step] + mount[step + 1]), (mount[step + 1] - mount[step]) / dt
         compass.system_matrix(state, rates, mean, angle, rate, axes, radius, weight, F)
         for i in range(3):
@@ -262,8 +275,6 @@ def extended_run(
                 for k in range(3):
                     angle_noise[i, j] += F[i, 9 + k] * F[j, 9 + k] * gyro_density[k]
         compass.covariance_step(P, F, dt, angle_noise, force_noise, walks, M)
-        north, up, east = s[0], s[1], s[2]
-        advance(C, s[0:3], hull, dv[step], frame, coriolis, weight, dt, force, scratch)
         s[3] += 0.5 * (north + s[0]) / radius * dt
         s[4] += 0.5 * (east + s[2]) / (radius * cl) * dt
         s[5] += 0.5 * (up + s[1]) * dt
@@ -271,7 +282,7 @@ def extended_run(
 
 
 @njit(cache=True, nogil=True)
-def wander_matrix(C, s, rates, mount_angle, axes, radius, weight, F):
+def wander_matrix(C, s, way, rates, mount_angle, axes, radius, weight, F):
     """Error model of `fogkit.gyrocompass.filters.wander`: write F, shape (17, 17).
 
     `s` is velocity 1, up, 2; latitude, longitude, height; the axis 1 and 2 and what the model does not need.
@@ -307,12 +318,17 @@ def wander_matrix(C, s, rates, mount_angle, axes, radius, weight, F):
         F[5, k] += U * e2 * v
         F[3 + k, k] -= along
 
-    north, east, tl = (e0 * v0 + e2 * v2) / cl, (e0 * v2 - e2 * v0) / cl, sl / cl
-    F[6, 3], F[6, 5], F[6, 6], F[6, 8] = e0 / cl * inv, e2 / cl * inv, north * tl * inv, -north * inv * inv
-    F[6, 9], F[6, 10] = v0 / cl * inv, v2 / cl * inv
+    # north and east: the aid's velocity `way`, and what the computed one differs from it by
+    wn, we, tl, square = way[0], way[1], sl / cl, e0 * e0 + e2 * e2
+    dot, cross = e0 * v0 + e2 * v2, e0 * v2 - e2 * v0
+    north, east = wn + (dot - square * wn / cl) / cl, we + (cross - square * we / cl) / cl
+    F[6, 3], F[6, 5], F[6, 8] = e0 / cl * inv, e2 / cl * inv, -north * inv * inv
+    F[6, 6] = tl * (dot - 2.0 * square * wn / cl) / cl * inv
+    F[6, 9], F[6, 10] = (v0 - 2.0 * e0 * wn / cl) / cl * inv, (v2 - 2.0 * e2 * wn / cl) / cl * inv
     per = inv / (cl * cl)
-    F[7, 3], F[7, 5], F[7, 6], F[7, 8] = -e2 * per, e0 * per, 2.0 * east * tl * inv / cl, -east * inv * inv / cl
-    F[7, 9], F[7, 10] = v2 * per, -v0 * per
+    F[7, 3], F[7, 5], F[7, 8] = -e2 * per, e0 * per, -east * inv * inv / cl
+    F[7, 6] = tl * (east + (cross - 2.0 * square * we / cl) / cl) / cl * inv
+    F[7, 9], F[7, 10] = (v2 - 2.0 * e0 * we / cl) * per, (-v0 - 2.0 * e2 * we / cl) * per
     F[8, 4] = 1.0
     F[9, 3], F[9, 6], F[9, 8] = -sl * inv, -cl * v0 * inv, sl * v0 * inv * inv
     F[10, 5], F[10, 6], F[10, 8] = -sl * inv, -cl * v2 * inv, sl * v2 * inv * inv
@@ -464,7 +480,7 @@ def wander_run(
         # the velocity that errors turn, not the estimate: its noise would be taken for knowledge of the axis
         model[0], model[2] = (way[0] * s[6] - way[1] * s[7]) / cl, (way[0] * s[7] + way[1] * s[6]) / cl
         model[3:] = s[3:8]
-        wander_matrix(C, model, rates, angle, axes, radius, weight, F)
+        wander_matrix(C, model, way, rates, angle, axes, radius, weight, F)
         propagate(P, F, dt, moving, Phi, T, N)
         for i in range(6):
             for j in range(6):
@@ -485,10 +501,13 @@ def wander_run(
                         for j in range(17):
                             total[i, j] += f * (old[k, j] if k < moving else (1.0 if k == j else 0.0))
         advance(C, s[0:3], hull, dv[step], frame, coriolis, weight, dt, force, scratch)
-        north, east = s[6] * (v0 + s[0]) + s[7] * (v2 + s[2]), s[6] * (v2 + s[2]) - s[7] * (v0 + s[0])
-        s[3] += 0.5 * north / (cl * radius) * dt
-        s[4] += 0.5 * east / (cl * cl * radius) * dt
+        v0, v2 = 0.5 * (v0 + s[0]), 0.5 * (v2 + s[2])
+        square = s[6] * s[6] + s[7] * s[7]
+        north = way[0] + (s[6] * v0 + s[7] * v2 - square * way[0] / cl) / cl
+        east = way[1] + (s[6] * v2 - s[7] * v0 - square * way[1] / cl) / cl
+        s[3] += north / radius * dt
+        s[4] += east / (cl * radius) * dt
         s[5] += 0.5 * (vu + s[1]) * dt
-        s[6] -= 0.5 * (v0 + s[0]) * sl / radius * dt
-        s[7] -= 0.5 * (v2 + s[2]) * sl / radius * dt
+        s[6] -= v0 * sl / radius * dt
+        s[7] -= v2 * sl / radius * dt
     return FINISHED, n

@@ -231,8 +231,9 @@ def wander_result(
     time: Array, C: Array, s: Array, P: Array, innovations: tuple
 ) -> WanderRun:
     """Run in the quantities of the thesis, from that in the filter's."""
-    angles, T = _angles(C, s)
-    estimate = np.hstack([angles, _level_velocity(s), s[:, 3:6], s[:, 8:]])
+    north = _north(s, P)
+    angles, T = _angles(C, s, *north)
+    estimate = np.hstack([angles, _level_velocity(s, *north), s[:, 3:6], s[:, 8:]])
     steepest = np.abs(angles[:, 1]).max()
     if steepest > np.pi / 2 - TRIM_MARGIN:
         warnings.warn(
@@ -255,25 +256,38 @@ def wander_result(
     )
 
 
-def _angles(C: Array, s: Array) -> tuple[Array, Array]:
+def _north(s: Array, P: Array) -> tuple[Array, Array]:
+    """Direction of north in w, shape (k, 2), and the length by which an error of the axis turns it, (k,).
+
+    The length is that of the axis, or its uncertainty where that is larger: then nothing is known of north, and its
+    standard deviation comes out as 0.7 rad at most instead of without bound.
+    """
+    axis = s[:, 6:8]
+    found = np.linalg.norm(axis, axis=1)
+    north = np.where(found[:, np.newaxis] > 0, axis / np.where(found > 0, found, 1.0)[:, np.newaxis], [1.0, 0.0])
+    return north, np.maximum(found, np.sqrt(P[:, 9, 9] + P[:, 10, 10]))
+
+
+def _angles(C: Array, s: Array, north: Array, length: Array) -> tuple[Array, Array]:
     """Heading, trim and roll, shape (k, 3), and derivatives of all 15 quantities' errors by the filter's, (k, 15, 17)."""
-    e_1, e_2 = s[:, 6], s[:, 7]
-    length = np.hypot(e_1, e_2)
+    n_1, n_2 = north.T
     ahead, trim_sine, abeam = C[:, 0, 0], C[:, 1, 0], C[:, 2, 0]
     square = np.maximum(ahead**2 + abeam**2, 1e-24)
-    heading = wrapped(np.arctan2(abeam, ahead) + np.arctan2(-e_2, e_1))
+    heading = wrapped(np.arctan2(abeam, ahead) + np.arctan2(-n_2, n_1))
     trim = np.arctan2(trim_sine, np.sqrt(square))
     roll = np.arctan2(-C[:, 1, 2], C[:, 1, 1])
     T = np.zeros((len(s), 15, 17))
     T[:, 0, 0], T[:, 0, 1], T[:, 0, 2] = trim_sine * ahead / square, -1.0, trim_sine * abeam / square
-    T[:, 0, 9], T[:, 0, 10] = e_2 / length**2, -e_1 / length**2
+    T[:, 0, 9], T[:, 0, 10] = n_2 / length, -n_1 / length
     T[:, 1, 0], T[:, 1, 2] = -abeam / np.sqrt(square), ahead / np.sqrt(square)
     T[:, 2, 0], T[:, 2, 2] = ahead / square, abeam / square
-    north, east = np.stack([e_1, e_2]) / length, np.stack([-e_2, e_1]) / length
-    T[:, 3, 3], T[:, 3, 5], T[:, 5, 3], T[:, 5, 5] = *north, *east
-    v_n, _, v_e = _level_velocity(s).T
-    for column, way in ((9, -east[0]), (10, -east[1])):  # a turn of north takes one velocity for the other
-        T[:, 3, column], T[:, 5, column] = -v_e * way / length, v_n * way / length
+    c = np.cos(s[:, 3])
+    per = c / length
+    T[:, 3, 3], T[:, 3, 5], T[:, 5, 3], T[:, 5, 5] = n_1 * per, n_2 * per, -n_2 * per, n_1 * per
+    v_n, _, v_e = _level_velocity(s, north, length).T
+    for column, along, across in ((9, n_1, -n_2), (10, n_2, n_1)):  # length and direction of the axis
+        T[:, 3, column] = (across * v_e - along * v_n) / length
+        T[:, 5, column] = (-across * v_n - along * v_e) / length
     T[:, 4, 4] = 1.0
     T[:, 3:6, :3] = -T[:, 3:6, 3:6] @ skew(s[:, :3])  # errors of velocity are those and the turn of the whole
     for row in (6, 7, 8):
@@ -283,12 +297,10 @@ def _angles(C: Array, s: Array) -> tuple[Array, Array]:
     return np.stack([heading, trim, roll], axis=-1), T
 
 
-def _level_velocity(s: Array) -> Array:
+def _level_velocity(s: Array, north: Array, length: Array) -> Array:
     """Velocity north, up, east from that in w, shape (k, 3)."""
-    north = s[:, 6:8] / np.linalg.norm(s[:, 6:8], axis=1, keepdims=True)
-    return np.stack(
-        [north[:, 0] * s[:, 0] + north[:, 1] * s[:, 2], s[:, 1], north[:, 0] * s[:, 2] - north[:, 1] * s[:, 0]], axis=-1
-    )
+    (n_1, n_2), per = north.T, np.cos(s[:, 3]) / length
+    return np.stack([(n_1 * s[:, 0] + n_2 * s[:, 2]) * per, s[:, 1], (n_1 * s[:, 2] - n_2 * s[:, 0]) * per], axis=-1)
 
 
 def _check_level_aid(fixes: Fixes) -> None:
@@ -303,7 +315,7 @@ def _check_level_aid(fixes: Fixes) -> None:
 
 
 def wander_matrix(
-    C_h_w: ArrayLike, state: ArrayLike, rates: ArrayLike, mount_angle: float, gravity: float
+    C_h_w: ArrayLike, state: ArrayLike, way: ArrayLike, rates: ArrayLike, mount_angle: float, gravity: float
 ) -> Array:
     """Matrix F of the linear model of the errors `WANDER_STATES`.
 
@@ -313,6 +325,8 @@ def wander_matrix(
         Attitude of the hull against w.
     state : array_like, shape (8,) at least
         Velocity 1, up, 2, m/s; latitude, longitude, rad, height, m; the Earth's axis 1, 2.
+    way : array_like, shape (2,)
+        Velocity north and east as the aid has it, m/s.
     rates : array_like, shape (3,)
         Of the gyros, rad/s.
     mount_angle, gravity : float
@@ -327,16 +341,19 @@ def wander_matrix(
     F, radius = np.empty((17, 17)), EARTH_RADIUS + s[5]
     weight = checks.positive("gravity", gravity, "m/s^2") * (EARTH_RADIUS / radius) ** 2
     rates = checks.finite_array("rates", rates, shape=(3,))
-    _kernels.wander_matrix(C, s, rates, mount_angle, pyramid_axes(), radius, weight, F)
+    way = checks.finite_array("way", way, shape=(2,))
+    _kernels.wander_matrix(C, s, way, rates, mount_angle, pyramid_axes(), radius, weight, F)
     return F
 
 
 def wander_rate(
-    C_h_w: ArrayLike, state: ArrayLike, omega_ih_h: ArrayLike, specific_force: ArrayLike, gravity: float
+    C_h_w: ArrayLike, state: ArrayLike, way: ArrayLike, omega_ih_h: ArrayLike, specific_force: ArrayLike, gravity: float
 ) -> tuple[Array, Array]:
     """Rate of turn of the hull against w, in w, shape (3,), and rates of velocity, position and axis, shape (8,).
 
-    The equations that `wander_matrix` is the derivative of; arguments as there, and the hull's rate, rad/s.
+    The equations that `wander_matrix` is the derivative of; arguments as there, and the hull's rate, rad/s, and specific
+    force, m/s^2. Velocity north and east is `way` and what that in w departs from it by: an axis not of the length
+    ``cos(lat)`` does not change it then.
     """
     C, s = checks.rotation_matrix("C_h_w", C_h_w), checks.finite_array("state", state)
     v, lat, radius, axis = s[:3], s[3], EARTH_RADIUS + s[5], np.array([s[6], np.sin(s[3]), s[7]])
@@ -344,6 +361,7 @@ def wander_rate(
     frame = EARTH_RATE * axis + transport
     force = C @ specific_force - [0.0, gravity * (EARTH_RADIUS / radius) ** 2, 0.0]
     dv = force - np.cross(frame + EARTH_RATE * axis, v)
-    north, east = (s[6] * v[0] + s[7] * v[2]) / np.cos(lat), (s[6] * v[2] - s[7] * v[0]) / np.cos(lat)
-    position = [north / radius, east / (radius * np.cos(lat)), v[1]]
+    c, turn = np.cos(lat), np.array([[s[6], -s[7]], [s[7], s[6]]]) / np.cos(lat)
+    north, east = way + turn.T @ (v[[0, 2]] - turn @ way)
+    position = [north / radius, east / (radius * c), v[1]]
     return C @ np.asarray(omega_ih_h) - frame, np.array([*dv, *position, *-np.cross(transport, axis)[[0, 2]]])
