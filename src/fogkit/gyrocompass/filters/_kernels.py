@@ -15,6 +15,9 @@ from fogkit.gyrocompass import _kernels as compass
 NEW_WAY = 5.0
 """Standard deviations of the aid's velocity by which it must change to be taken for a new one."""
 
+MANOEUVRE = 0.1
+"""Level specific force, m/s^2, from which it counts as one of a manoeuvre: that of a tilt of 0.6 degrees."""
+
 FINISHED, NOT_A_COVARIANCE, BOW_VERTICAL, AT_A_POLE = 0, 1, 2, 3
 
 
@@ -282,7 +285,7 @@ def extended_run(
 
 
 @njit(cache=True, nogil=True)
-def wander_matrix(C, s, way, rates, mount_angle, axes, radius, weight, F):
+def wander_matrix(C, s, way, force, rates, mount_angle, axes, radius, weight, F):
     """Error model of `fogkit.gyrocompass.filters.wander`: write F, shape (17, 17).
 
     `s` is velocity 1, up, 2; latitude, longitude, height; the axis 1 and 2 and what the model does not need.
@@ -301,22 +304,16 @@ def wander_matrix(C, s, way, rates, mount_angle, axes, radius, weight, F):
     F[2, 3], F[2, 8], F[2, 10] = inv, -v0 * inv * inv, -U
 
     a0, a1, a2 = w0 + U * e0, w1 + U * sl, w2 + U * e2
-    # velocity less its turn by the attitude error: gravity, not the specific force, multiplies the tilts
-    F[3, 2], F[5, 0] = -weight, weight
-    F[3, 4], F[3, 5] = a2, -a1
-    F[4, 3], F[4, 5] = -a2, a0
-    F[5, 3], F[5, 4] = a1, -a0
-    F[4, 8] = 2.0 * weight * inv
-    F[3, 6], F[3, 10] = -U * cl * v2, U * vu
-    F[4, 9], F[4, 10] = U * v2, -U * v0
-    F[5, 6], F[5, 9] = U * cl * v0, -U * vu
-    along = U * (e0 * v0 + sl * vu + e2 * v2)
-    for k in range(3):
-        v = s[k]
-        F[3, k] += U * e0 * v
-        F[4, k] += U * sl * v
-        F[5, k] += U * e2 * v
-        F[3 + k, k] -= along
+    F[3, 1], F[3, 2] = force[2], -force[1]
+    F[4, 0], F[4, 2] = -force[2], force[0]
+    F[5, 0], F[5, 1] = force[1], -force[0]
+    F[3, 3], F[3, 4], F[3, 5] = -vu * inv, a2, -a1
+    F[4, 3], F[4, 5] = -a2 + v0 * inv, a0 + v2 * inv
+    F[5, 3], F[5, 4], F[5, 5] = a1, -a0, -vu * inv
+    F[3, 6], F[3, 8], F[3, 10] = -2.0 * U * cl * v2, v0 * vu * inv * inv, 2.0 * U * vu
+    F[4, 8] = 2.0 * weight * inv - (v0 * v0 + v2 * v2) * inv * inv
+    F[4, 9], F[4, 10] = 2.0 * U * v2, -2.0 * U * v0
+    F[5, 6], F[5, 8], F[5, 9] = 2.0 * U * cl * v0, v2 * vu * inv * inv, -2.0 * U * vu
 
     # north and east: the aid's velocity `way`, and what the computed one differs from it by
     wn, we, tl, square = way[0], way[1], sl / cl, e0 * e0 + e2 * e2
@@ -332,11 +329,6 @@ def wander_matrix(C, s, way, rates, mount_angle, axes, radius, weight, F):
     F[8, 4] = 1.0
     F[9, 3], F[9, 6], F[9, 8] = -sl * inv, -cl * v0 * inv, sl * v0 * inv * inv
     F[10, 5], F[10, 6], F[10, 8] = -sl * inv, -cl * v2 * inv, sl * v2 * inv * inv
-    for i in range(11):
-        if i < 3 or i > 5:  # elsewhere the turn of the velocity counts as well
-            F[i, 0] += F[i, 5] * vu - F[i, 4] * v2
-            F[i, 1] += F[i, 3] * v2 - F[i, 5] * v0
-            F[i, 2] += F[i, 4] * v0 - F[i, 3] * vu
 
     cb, sb = math.cos(mount_angle), math.sin(mount_angle)
     for j in range(3):
@@ -344,10 +336,6 @@ def wander_matrix(C, s, way, rates, mount_angle, axes, radius, weight, F):
         z = cb * axes[2, j] - sb * axes[0, j]
         for i in range(3):
             F[i, 11 + j] = C[i, 0] * x + C[i, 1] * y + C[i, 2] * z
-        F[3, 11 + j] = vu * F[2, 11 + j] - v2 * F[1, 11 + j]
-        F[4, 11 + j] = v2 * F[0, 11 + j] - v0 * F[2, 11 + j]
-        F[5, 11 + j] = v0 * F[1, 11 + j] - vu * F[0, 11 + j]
-        for i in range(6):
             F[i, 14 + j] = F[i, 11 + j] * rates[j]
 
 
@@ -355,7 +343,7 @@ def wander_matrix(C, s, way, rates, mount_angle, axes, radius, weight, F):
 def wander_fix(P, x, s, fix, variances, way, h, K, M):
     """Corrections x by one measurement of what is not NaN in `fix`. Return the sum of squares of innovations, or -1.
 
-    `way`, shape (2,), is the velocity north and east that errors of axis and attitude turn. It follows the aid in steps:
+    `way`, shape (2,), is the velocity north and east that errors of the axis turn. It follows the aid in steps:
     taken from each measurement, its noise would draw the axis towards zero.
     """
     total, cl = 0.0, math.cos(s[3])
@@ -363,7 +351,6 @@ def wander_fix(P, x, s, fix, variances, way, h, K, M):
         change = (fix[0] - way[0]) ** 2 + (fix[2] - way[1]) ** 2
         if change > NEW_WAY * NEW_WAY * variances[0]:
             way[0], way[1] = fix[0], fix[2]
-    ahead, abeam = (way[0] * s[6] - way[1] * s[7]) / cl, (way[0] * s[7] + way[1] * s[6]) / cl  # the same in w
     for k in range(6):
         if math.isnan(fix[k]):
             continue
@@ -372,14 +359,10 @@ def wander_fix(P, x, s, fix, variances, way, h, K, M):
         # level velocities of the aid are taken into the frame by the axis: linear in it, however wrong it is
         if k == 0:
             z, h[9], h[10] = s[0] - (fix[0] * s[6] - fix[2] * s[7]) / cl, -way[0] / cl, way[1] / cl
-            h[1] = abeam
         elif k == 2:
             z, h[9], h[10] = s[2] - (fix[0] * s[7] + fix[2] * s[6]) / cl, -way[1] / cl, -way[0] / cl
-            h[1] = -ahead
         else:
             z = s[k] - fix[k]
-            if k == 1:
-                h[0], h[2] = -abeam, ahead
         innovation = z
         for i in range(17):
             innovation -= h[i] * x[i]
@@ -426,7 +409,7 @@ def wander_run(
     Phi, T, N = np.empty((moving, 17)), np.empty((moving, 17)), np.empty((17, moving))
     total, old = np.eye(17), np.empty((moving, 17))
     rates, hull, frame, coriolis = np.empty(3), np.empty(3), np.zeros(3), np.zeros(3)
-    force, scratch, turned, model = np.zeros(3), np.empty(3), np.zeros((3, 3)), np.zeros(8)
+    force, scratch, pushed, model = np.zeros(3), np.empty(3), np.zeros(3), np.zeros(8)
     fix = 0
     for step in range(n + 1):
         if smooth and step % keep == 0 and step > 0:
@@ -445,9 +428,6 @@ def wander_run(
             for i in range(8):
                 s[i] -= x[3 + i]
             turn(C, scratch, True)
-            turned[:, 0] = s[0:3]
-            turn(turned, scratch, True)
-            s[0:3] = turned[:, 0]
             for i in range(8, 14):
                 s[i] += x[3 + i]
             if smooth:
@@ -480,14 +460,18 @@ def wander_run(
         # the velocity that errors turn, not the estimate: its noise would be taken for knowledge of the axis
         model[0], model[2] = (way[0] * s[6] - way[1] * s[7]) / cl, (way[0] * s[7] + way[1] * s[6]) / cl
         model[3:] = s[3:8]
-        wander_matrix(C, model, way, rates, angle, axes, radius, weight, F)
+        # nor the specific force where it is that of the tilts: its noise would be taken for knowledge of azimuth
+        for i in range(3):
+            pushed[i] = (C[i, 0] * dv[step, 0] + C[i, 1] * dv[step, 1] + C[i, 2] * dv[step, 2]) / dt
+        if pushed[0] * pushed[0] + pushed[2] * pushed[2] < MANOEUVRE * MANOEUVRE:
+            pushed[0], pushed[1], pushed[2] = 0.0, weight, 0.0
+        wander_matrix(C, model, way, pushed, rates, angle, axes, radius, weight, F)
         propagate(P, F, dt, moving, Phi, T, N)
-        for i in range(6):
-            for j in range(6):
+        for i in range(3):
+            for j in range(3):
                 for k in range(3):
                     P[i, j] += dt * F[i, 11 + k] * F[j, 11 + k] * gyro_density[k]
-        for i in range(3, 6):
-            P[i, i] += dt * force_density
+            P[3 + i, 3 + i] += dt * force_density
         for i in range(17):
             P[i, i] += dt * walks[i]
         if smooth:

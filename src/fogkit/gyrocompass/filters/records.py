@@ -107,16 +107,22 @@ class Fixes:
         time = checks.finite_array("time", self.time, ndim=1)
         if (np.diff(time) < 0).any():
             at = int(np.argmax(np.diff(time) < 0))
-            raise ValueError(f"`time` must ascend, got {time[at + 1]:g} s after {time[at]:g} s: sort late measurements in")
+            raise ValueError(
+                f"`time` must ascend, got {time[at + 1]:g} s after {time[at]:g} s: sort late measurements in"
+            )
         values = np.array(self.values, dtype=float)
         if values.shape != (len(time), 6):
             raise ValueError(f"`values` must be of shape ({len(time)}, 6), got {values.shape}")
         measured = np.isfinite(values)
         if np.isinf(values).any() or not measured.any():
-            raise ValueError("`values` must hold numbers, and NaN where there is none; an unaided filter observes nothing")
+            raise ValueError(
+                "`values` must hold numbers, and NaN where there is none; an unaided filter observes nothing"
+            )
         for name, there in zip(MEASUREMENTS, measured.any(axis=0), strict=True):
             if there and name not in self.aid.std:
-                raise ValueError(f"`aid` must have a standard deviation of {name!r}, of which `values` has measurements")
+                raise ValueError(
+                    f"`aid` must have a standard deviation of {name!r}, of which `values` has measurements"
+                )
         object.__setattr__(self, "time", time)
         object.__setattr__(self, "values", np.ascontiguousarray(values))
 
@@ -180,9 +186,7 @@ def record(
     dv = _integrals(motion.specific_force, dt)
     dv = dv + noise.velocity_random_walk * np.sqrt(dt) * rng.standard_normal(shape)
     reading = angle if mount_reading is None else mount_reading
-    return Recording(
-        dt=dt, dtheta=gyros, dv=dv, mount_angle=reading, gravity=motion.gravity, axes=motion.axes
-    )
+    return Recording(dt=dt, dtheta=gyros, dv=dv, mount_angle=reading, gravity=motion.gravity, axes=motion.axes)
 
 
 def take_fixes(

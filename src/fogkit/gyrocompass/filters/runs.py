@@ -97,8 +97,8 @@ def fix_steps(recording: Recording, fixes: Fixes) -> NDArray[np.int64]:
     if off.max() > 1e-6 * recording.dt * max(len(recording.dtheta), 1):
         worst = fixes.time[np.argmax(off)]
         raise ValueError(
-            f"`fixes.time` must lie on the recording's steps of {recording.dt:g} s, got {worst:.9g} s. Interpolate what "
-            "the aid says to them"
+            f"`fixes.time` must lie on the recording's steps of {recording.dt:g} s, got {worst:.9g} s. Interpolate "
+            "what the aid says to them"
         )
     if steps[0] < 0 or steps[-1] > len(recording.dtheta):
         outside = fixes.time[0] if steps[0] < 0 else fixes.time[-1]
@@ -108,8 +108,8 @@ def fix_steps(recording: Recording, fixes: Fixes) -> NDArray[np.int64]:
     if gaps.max() > 1.5 * fixes.aid.interval:
         at = [0.0, *heard][int(np.argmax(gaps))]
         warnings.warn(
-            f"`fixes` has no measurement for {gaps.max():g} s from {at:g} s, where one comes every "
-            f"{fixes.aid.interval:g} s; errors grow freely there",
+            f"`fixes` has no measurement for {gaps.max():g} s from {at:g} s, where one comes "
+            f"every {fixes.aid.interval:g} s; errors grow freely there",
             UserWarning,
             stacklevel=3,
         )
@@ -129,7 +129,7 @@ def raise_failure(failure: int, step: int, dt: float) -> None:
     if failure == _kernels.NOT_A_COVARIANCE:
         raise ValueError(
             f"`prior` must lead to a covariance throughout, got one that is not positive semi-definite at {time:g} s: "
-            "rounding, by an aid too good for a start so poor. Raise its standard deviations or lower those of the prior."
+            "rounding, by an aid too good for a start so poor. Raise its standard deviations or lower the prior's."
         )
     if failure == _kernels.BOW_VERTICAL:
         raise ValueError(
@@ -138,7 +138,8 @@ def raise_failure(failure: int, step: int, dt: float) -> None:
         )
     if failure == _kernels.AT_A_POLE:
         raise ValueError(
-            f"`recording` must keep {POLE_MARGIN:g} rad from a pole, where heading is not defined, got there at {time:g} s"
+            f"`recording` must keep {POLE_MARGIN:g} rad from a pole, where heading is not defined, got there at "
+            f"{time:g} s"
         )
 
 
@@ -148,9 +149,9 @@ def warn_of_innovations(nis: Array, counts: NDArray[np.int64]) -> None:
     high = chi_square_interval(total, 1, 1 - 2 * FALSE_ALARM)[1]
     if nis.sum() > high:
         warnings.warn(
-            f"the aid departs from what the filter expects by {np.sqrt(nis.sum() / total):.3g} standard deviations (rms "
-            f"of {total} innovations, at most {np.sqrt(high / total):.4g} if the filter is right): a late or biased aid, "
-            "noise larger than stated, or a heading too wrong for the linear model",
+            f"the aid departs from what the filter expects by {np.sqrt(nis.sum() / total):.3g} standard deviations "
+            f"(rms of {total} innovations, at most {np.sqrt(high / total):.4g} if the filter is right): a late or "
+            "biased aid, noise larger than stated, or a heading too wrong for the linear model",
             UserWarning,
             stacklevel=3,
         )

@@ -59,9 +59,7 @@ def smooth_wander(
     state = filtered.state.copy()
     state[:, :8] -= d[:, 3:11]
     state[:, 8:] += d[:, 11:]
-    back = dcm_from_rotvec(-d[:, :3])
-    state[:, :3] = (back @ state[:, :3, np.newaxis])[..., 0]
-    attitude = back @ filtered.C_h_w
+    attitude = dcm_from_rotvec(-d[:, :3]) @ filtered.C_h_w
     innovations = filtered.fix_time, filtered.nis, filtered.fix_count
     return filtered, wander_result(filtered.time, attitude, state, smoothed, innovations)
 

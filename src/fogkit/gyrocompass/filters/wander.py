@@ -9,19 +9,20 @@ two, and not an angle, are estimated. All equations are linear in them:
   as a pole is approached;
 - the aid's velocity in w.
 
-The attitude of the hull against w is a matrix, which no trim makes singular. The error of velocity is that which is left
-when the true velocity is turned by the error of attitude [2]_: its equation has gravity, and not the specific force,
-whose noise would be taken for knowledge of azimuth. An uncertain heading with standard
+The attitude of the hull against w is a matrix, which no trim makes singular. What multiplies errors in the
+model is taken without the noise of the aid, which a filter takes for knowledge of azimuth: a velocity and a level
+specific force that are not well above it count as none. An uncertain heading with standard
 deviation ``s`` begins as the mean ``exp(-s**2/2)`` and the variances ``(1 - exp(-s**2))**2/2``,
 ``(1 - exp(-2 s**2))/2`` of cosine and sine. That the two numbers have the length ``cos(lat)`` is used in this beginning
-only. Products of errors that are left are those of the axis with the drift in azimuth since the start and with tilts.
+only. Products of errors that are left are those of the axis with the drift in azimuth since the start, with
+tilts and with errors of velocity. At rest, as far as 89 degrees north, they do not matter (tests, and
+`fogkit.reproduction.lechang.filtering`). Under way they do with an aid of 0.1 m/s: the filter is then too sure of
+heading, and warns.
 
 References
 ----------
 .. [1] Le Van Chang, Gyrocompass with a quasi-harmonic autocompensating mount (in Russian), thesis abstract, LETI,
    St Petersburg, 2015, chapter 2.
-.. [2] A. Barrau, S. Bonnabel, The invariant extended Kalman filter as a stable observer, IEEE Transactions on
-   Automatic Control 62 (2017), 1797-1812.
 """
 
 import warnings
@@ -47,9 +48,12 @@ from fogkit.gyrocompass.filters.runs import (
 from fogkit.gyrocompass.frames import hull_attitude, pyramid_axes
 from fogkit.gyrocompass.mechanisation import EARTH_RADIUS, TRIM_MARGIN, CompassState
 from fogkit.gyrocompass.motions import Motion
-from fogkit.rotation import dcm_from_rotvec, skew, small_angle_between
+from fogkit.rotation import small_angle_between
 
 Array = NDArray[np.float64]
+
+POOR_AID = 0.01
+"""Standard deviation of the aid's velocity, m/s, above which the filter is not consistent under way."""
 
 WANDER_STATES = (
     *("tilt_1", "azimuth", "tilt_2"),
@@ -59,8 +63,8 @@ WANDER_STATES = (
     *("bias_x", "bias_y", "bias_z"),
     *("scale_factor_x", "scale_factor_y", "scale_factor_z"),
 )
-"""Errors that the filter follows: turn of the hull's attitude in w, rad (from true to computed); velocity in w less the
-true one turned by that, m/s; position, rad and m; level part of the Earth's axis in w, 1; and what the gyros have left of bias and scale factor."""
+"""Errors that the filter follows: turn of the hull's attitude in w, rad (from true to computed); velocity in w, m/s;
+position, rad and m; level part of the Earth's axis in w, 1; and what the gyros have left of bias and scale factor."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -105,7 +109,7 @@ class WanderRun(FilterRun):
         axis = np.cos(truth[:, 3]) * np.array([np.cos(azimuth), -np.sin(azimuth)])
         errors = np.zeros((len(rows), 17))
         errors[:, :3] = -small_angle_between(self.C_h_w, C_h_w)
-        errors[:, 3:6] = self.state[:, :3] - (dcm_from_rotvec(errors[:, :3]) @ in_w[..., np.newaxis])[..., 0]
+        errors[:, 3:6] = self.state[:, :3] - in_w
         errors[:, 6:9] = self.state[:, 3:6] - truth[:, 3:]
         errors[:, 7] = wrapped(errors[:, 7])
         errors[:, 9:11] = self.state[:, 6:8] - axis.T
@@ -158,7 +162,8 @@ def run_wander(
     Warns
     -----
     UserWarning
-        If the aid is lost for a time, innovations are larger than they may be, or trim comes near the vertical, where
+        If the aid is poor under way (`POOR_AID`) or lost for a time, innovations are larger than they may be, or trim
+        comes near the vertical, where
         heading and roll are not defined apart (`WanderRun.C_h_w` is).
 
     Notes
@@ -178,6 +183,14 @@ def _run(recording, fixes, noise, start, prior, heading_known, output_interval, 
     _check_level_aid(fixes)
     prior = checks.instance("prior", Prior() if prior is None else prior, Prior)
     P, s, way = wander_start(checks.instance("start", start, CompassState), prior, heading_known)
+    aided = np.sqrt(np.nan_to_num(fixes.variances[0]))
+    if way.any() and aided > POOR_AID:
+        warnings.warn(
+            f"under way, at {np.hypot(*way):.3g} m/s, with an aid of {aided:.2g} m/s the filter is too sure of heading "
+            f"where that was wrong by 5 degrees and more; it is not so at rest, nor with {POOR_AID:g} m/s or better",
+            UserWarning,
+            stacklevel=4,
+        )
     C = hull_attitude(start.heading, start.trim, start.roll)
     rows, count = len(recording.dtheta) // keep + 1, len(WANDER_STATES)
     attitudes, states, covariances = np.empty((rows, 3, 3)), np.empty((rows, 14)), np.empty((rows, count, count))
@@ -219,17 +232,12 @@ def wander_start(start: CompassState, prior: Prior, heading_known: bool) -> tupl
     P[level] = turn @ axis
     P[level[1].T, level[0].T] = P[level].T
     P[np.ix_([3, 5], [3, 5])] += turn @ axis @ turn.T
-    S = np.eye(17)
-    S[3:6, :3] = skew([mean * way[0], 0.0, mean * way[1]])
-    P = S @ P @ S.T
     v_1, v_2 = mean * np.array([v_n, v_e])
     s = np.array([v_1, v_u, v_2, start.lat, start.lon, start.alt, c * mean, 0.0, *np.zeros(6)])
     return P, s, way
 
 
-def wander_result(
-    time: Array, C: Array, s: Array, P: Array, innovations: tuple
-) -> WanderRun:
+def wander_result(time: Array, C: Array, s: Array, P: Array, innovations: tuple) -> WanderRun:
     """Run in the quantities of the thesis, from that in the filter's."""
     north = _north(s, P)
     angles, T = _angles(C, s, *north)
@@ -269,7 +277,7 @@ def _north(s: Array, P: Array) -> tuple[Array, Array]:
 
 
 def _angles(C: Array, s: Array, north: Array, length: Array) -> tuple[Array, Array]:
-    """Heading, trim and roll, shape (k, 3), and derivatives of all 15 quantities' errors by the filter's, (k, 15, 17)."""
+    """Heading, trim and roll, shape (k, 3); derivatives of the errors of all 15 by the filter's, (k, 15, 17)."""
     n_1, n_2 = north.T
     ahead, trim_sine, abeam = C[:, 0, 0], C[:, 1, 0], C[:, 2, 0]
     square = np.maximum(ahead**2 + abeam**2, 1e-24)
@@ -289,7 +297,6 @@ def _angles(C: Array, s: Array, north: Array, length: Array) -> tuple[Array, Arr
         T[:, 3, column] = (across * v_e - along * v_n) / length
         T[:, 5, column] = (-across * v_n - along * v_e) / length
     T[:, 4, 4] = 1.0
-    T[:, 3:6, :3] = -T[:, 3:6, 3:6] @ skew(s[:, :3])  # errors of velocity are those and the turn of the whole
     for row in (6, 7, 8):
         T[:, row, row] = 1.0
     for row in range(9, 15):  # estimate less truth: the negative of what the gyros have left
@@ -309,13 +316,19 @@ def _check_level_aid(fixes: Fixes) -> None:
     variances = fixes.variances
     if (there[:, 0] != there[:, 2]).any() or (there[:, 0].any() and not np.isclose(variances[0], variances[2])):
         raise ValueError(
-            "`fixes` must measure the velocities north and east together and with one standard deviation, got one alone "
-            "or two of different accuracy: the filter knows neither direction at the start"
+            "`fixes` must measure the velocities north and east together and with one standard deviation, got one "
+            "alone or two of different accuracy: the filter knows neither direction at the start"
         )
 
 
 def wander_matrix(
-    C_h_w: ArrayLike, state: ArrayLike, way: ArrayLike, rates: ArrayLike, mount_angle: float, gravity: float
+    C_h_w: ArrayLike,
+    state: ArrayLike,
+    way: ArrayLike,
+    rates: ArrayLike,
+    specific_force: ArrayLike,
+    mount_angle: float,
+    gravity: float,
 ) -> Array:
     """Matrix F of the linear model of the errors `WANDER_STATES`.
 
@@ -329,20 +342,23 @@ def wander_matrix(
         Velocity north and east as the aid has it, m/s.
     rates : array_like, shape (3,)
         Of the gyros, rad/s.
+    specific_force : array_like, shape (3,)
+        In the hull, m/s^2.
     mount_angle, gravity : float
         rad; on the sphere, m/s^2.
 
     Returns
     -------
     ndarray, shape (17, 17)
-        Rows of biases and scale factors are zero. The specific force is not in it, and no noise of it can be.
+        Rows of biases and scale factors are zero.
     """
     C, s = checks.rotation_matrix("C_h_w", C_h_w), checks.finite_array("state", state)
     F, radius = np.empty((17, 17)), EARTH_RADIUS + s[5]
     weight = checks.positive("gravity", gravity, "m/s^2") * (EARTH_RADIUS / radius) ** 2
     rates = checks.finite_array("rates", rates, shape=(3,))
     way = checks.finite_array("way", way, shape=(2,))
-    _kernels.wander_matrix(C, s, way, rates, mount_angle, pyramid_axes(), radius, weight, F)
+    force = C @ checks.finite_array("specific_force", specific_force, shape=(3,))
+    _kernels.wander_matrix(C, s, way, force, rates, mount_angle, pyramid_axes(), radius, weight, F)
     return F
 
 
@@ -351,9 +367,9 @@ def wander_rate(
 ) -> tuple[Array, Array]:
     """Rate of turn of the hull against w, in w, shape (3,), and rates of velocity, position and axis, shape (8,).
 
-    The equations that `wander_matrix` is the derivative of; arguments as there, and the hull's rate, rad/s, and specific
-    force, m/s^2. Velocity north and east is `way` and what that in w departs from it by: an axis not of the length
-    ``cos(lat)`` does not change it then.
+    What `wander_matrix` is the derivative of; arguments as there, the rate of the hull, rad/s, and the specific force,
+    m/s^2. Velocity north and east is `way` and what that in w departs from it by: an axis that is not of the length
+    ``cos(lat)`` does not change it.
     """
     C, s = checks.rotation_matrix("C_h_w", C_h_w), checks.finite_array("state", state)
     v, lat, radius, axis = s[:3], s[3], EARTH_RADIUS + s[5], np.array([s[6], np.sin(s[3]), s[7]])

@@ -1,7 +1,7 @@
 """The thesis's simulation with a filter, over many seeds: what converges when, and which filter may be believed.
 
-What is not stated is as in `simulation`: latitude of St Petersburg, mount switched on after 400 s, an aid of any accuracy,
-a start from the errors of table 4. Level angles and velocity are taken as known to 0.1 degrees and 0.1 m/s.
+What is not stated is as in `simulation`: latitude of St Petersburg, mount switched on after 400 s, an aid of any
+accuracy, a start from the errors of table 4. Level angles and velocity are taken as known to 0.1 degrees and 0.1 m/s.
 
 `NEES_RUNS` holds the outcome of ``consistency_runs(range(100), (0.01,))``, written by
 ``python -m fogkit.reproduction.lechang.filtering PATH``.
@@ -58,8 +58,25 @@ def prior(heading_std: float) -> Prior:
     )
 
 
+def inputs(seed: int, heading_std: float, velocity_std: float, dt: float = STEP, drawn: bool = True) -> tuple:
+    """Record, measurements, noise, start and prior that a filter takes, true biases, scale factors: see `runs_of`."""
+    rng, known, true = np.random.default_rng(seed), prior(heading_std), motion(dt)
+    bias, scale = paper.SIMULATED_BIASES, paper.SIMULATED_SCALE_FACTORS
+    if drawn:
+        bias, scale = known.bias * rng.standard_normal(3), known.scale_factor * rng.standard_normal(3)
+    noise = Noise(angle_random_walk=paper.SIMULATED_RANDOM_WALK)
+    recording = record(true, noise, rng, bias=bias, scale_factor=scale)
+    fixes = take_fixes(true, Aid.satellite(paper.ASSUMED_LATITUDE, velocity=velocity_std), rng)
+    return recording, fixes, noise, draw_start(true, known, rng), known, bias, scale
+
+
 def runs_of(
-    seed: int, heading_std: float, velocity_std: float, dt: float = STEP, names: Iterable[str] = tuple(FILTERS), drawn=True
+    seed: int,
+    heading_std: float,
+    velocity_std: float,
+    dt: float = STEP,
+    names: Iterable[str] = tuple(FILTERS),
+    drawn=True,
 ) -> tuple[dict[str, FilterRun], np.ndarray, np.ndarray]:
     """Runs of the filters on one record, and the true biases and scale factors.
 
@@ -78,14 +95,7 @@ def runs_of(
     drawn : bool, optional
         True: biases and scale factors are drawn from the prior, as consistency asks. False: those of table 4.
     """
-    rng, known, true = np.random.default_rng(seed), prior(heading_std), motion(dt)
-    bias, scale = paper.SIMULATED_BIASES, paper.SIMULATED_SCALE_FACTORS
-    if drawn:
-        bias, scale = known.bias * rng.standard_normal(3), known.scale_factor * rng.standard_normal(3)
-    noise = Noise(angle_random_walk=paper.SIMULATED_RANDOM_WALK)
-    recording = record(true, noise, rng, bias=bias, scale_factor=scale)
-    fixes = take_fixes(true, Aid.satellite(paper.ASSUMED_LATITUDE, velocity=velocity_std), rng)
-    start = draw_start(true, known, rng)
+    recording, fixes, noise, start, known, bias, scale = inputs(seed, heading_std, velocity_std, dt, drawn)
     with warnings.catch_warnings():  # a filter that is wrong is what is looked for here
         warnings.filterwarnings("ignore", message="the aid departs")
         runs = {name: FILTERS[name](recording, fixes, noise, start, known) for name in names}
