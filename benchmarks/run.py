@@ -312,6 +312,77 @@ def navigation_calibrations() -> None:
     show("1000 of them at 100 Hz, noise drawn anew, on all processors", f"{elapsed:.0f} s", "bound 60 s on 2")
 
 
+def gyrocompass() -> None:
+    """Filters of the rocked gyrocompass on 100 Hz data with an aid once a second, against that of pyins."""
+    import warnings
+
+    import pandas as pd
+    from pyins import filters, inertial_sensor, measurements, strapdown
+
+    from fogkit.gyrocompass.frames import TO_PACKAGE
+    from fogkit.gyrocompass.mechanisation import hull_increments
+    from fogkit.reproduction.lechang import filtering
+
+    warnings.filterwarnings("ignore", message="The copy keyword is deprecated")  # in pyins, with pandas 3
+    recording, fixes, noise, start, known = filtering.inputs(1, 10 * DEG, 0.01)[:5]
+    steps = len(recording.dtheta)
+    ours = {
+        name: median_time(lambda f=f: f(recording, fixes, noise, start, known)) / steps
+        for name, f in filtering.FILTERS.items()
+    }
+
+    # the same record for pyins, which knows no mount: increments of the hull, forward, right, down; the first 60 s
+    short, dt = 6000, recording.dt
+    hull = hull_increments(recording.dtheta[:short], recording.mount_angle[: short + 1])
+    frd = np.array([[0, 1, 0], [1, 0, 0], [0, 0, -1]]) @ TO_PACKAGE
+    readings = np.hstack([hull @ frd.T, recording.dv[:short] @ frd.T])
+    names = [f"{sensor}_{axis}" for sensor in ("gyro", "accel") for axis in "xyz"]
+    table = pd.DataFrame(np.vstack([readings[:1], readings]), columns=names, index=dt * np.arange(short + 1))
+    increments = strapdown.compute_increments_from_imu(table, "increment")
+    v = start.velocity
+    begin = pd.Series(
+        {
+            **{"lat": start.lat / DEG, "lon": start.lon / DEG, "alt": start.alt, "VN": v[0], "VE": v[2], "VD": -v[1]},
+            **{"roll": start.roll / DEG, "pitch": start.trim / DEG, "heading": start.heading / DEG},
+        },
+        name=0.0,
+    )
+    heard = fixes.values[1:61]
+    index = fixes.time[1:61]
+    aids = [
+        measurements.Position(
+            pd.DataFrame({"lat": heard[:, 3] / DEG, "lon": heard[:, 4] / DEG, "alt": heard[:, 5]}, index=index), 3.0
+        ),
+        measurements.NedVelocity(
+            pd.DataFrame({"VN": heard[:, 0], "VE": heard[:, 2], "VD": -heard[:, 1]}, index=index), 0.01
+        ),
+    ]
+    gyros = inertial_sensor.EstimationModel(
+        bias_sd=known.bias, noise=noise.angle_random_walk[0], scale_misal_sd=known.scale_factor * np.eye(3)
+    )
+
+    def theirs(time_step: float) -> None:
+        filters.run_feedback_filter(
+            begin, 10.0, 0.1, 0.1, 10.0, increments, gyro_model=gyros, measurements=aids, time_step=time_step
+        )
+
+    every = median_time(lambda: theirs(dt), runs=1) / short
+    coarse = median_time(lambda: theirs(1.0), runs=1) / short
+    for name, bound in (("extended", "15 states"), ("wander", "17 states")):
+        each = ours[name]
+        show(f"gyrocompass filter, {name}, {bound}, per second", f"{1 / each:.0f} steps", "goal 200 000")
+        show(
+            "pyins' feedback filter, covariance in each step as here",
+            f"{1 / every:.0f} steps",
+            f"{every / each:.0f} times slower, goal 20",
+        )
+        show("the same with covariance once a second", f"{1 / coarse:.0f} steps", f"{coarse / each:.1f} times slower")
+    filtering.motion()
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        elapsed = median_time(lambda: filtering.thesis_runs(range(100), 0.01, executor=pool), runs=1)
+    show("100 seeds of the thesis's run of 900 s at 100 Hz, on all threads", f"{elapsed:.1f} s", "bound 60 s on 2")
+
+
 def import_time() -> None:
     """Importing the package, against starting Python."""
 
@@ -334,6 +405,7 @@ def main() -> None:
     navigation()
     rough_table()
     navigation_calibrations()
+    gyrocompass()
     import_time()
 
 

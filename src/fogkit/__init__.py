@@ -39,6 +39,7 @@ Modules, each importing only from those above it
 `fogkit.stand`          rate table with its errors, plans, what is read while one is carried out
 `fogkit.navigation`     strapdown mechanisation: attitude and velocity from increments
 `fogkit.calibration`    requirements, calibration in three stages, fit of all data, budgets
+`fogkit.gyrocompass`    gyrocompass on a rocked mount: equations, laws, accuracy, filters, scan of the Earth rate
 `fogkit.campaign`       many runs of anything, on any executor
 `fogkit.claims`         the ledger of claims: what the papers state, and what became of it
 `fogkit.reproduction`   the papers: instruments, derivations, figures, values of the ledger
@@ -53,8 +54,20 @@ import importlib
 __version__ = "0.1.0"
 
 _MODULES = {
-    *("calibration", "campaign", "checks", "claims", "constants", "earth", "estimation", "imu", "navigation", "noise"),
-    *("optics", "plotting", "reproduction", "results", "rotation", "stand", "thermal", "units"),
+    *("calibration", "campaign", "checks", "claims", "constants", "earth", "estimation", "gyrocompass"),
+    *(
+        "imu",
+        "navigation",
+        "noise",
+        "optics",
+        "plotting",
+        "reproduction",
+        "results",
+        "rotation",
+        "stand",
+        "thermal",
+        "units",
+    ),
 }
 
 

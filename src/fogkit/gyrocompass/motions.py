@@ -1,0 +1,168 @@
+"""What a vessel does and what its gyrocompass then reads: the motion along which errors are followed.
+
+References
+----------
+.. [1] Le Van Chang, Gyrocompass with a quasi-harmonic autocompensating mount (in Russian), thesis abstract, LETI,
+   St Petersburg, 2015, chapter 3.
+"""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from fogkit import checks
+from fogkit.constants import STANDARD_GRAVITY
+from fogkit.earth import POLE_MARGIN, checked_latitude
+from fogkit.gyrocompass.frames import hull_attitude, pyramid_axes
+from fogkit.gyrocompass.laws import Fixed, MountLaw
+from fogkit.gyrocompass.mechanisation import EARTH_RADIUS, checked_trim, geographic_rate, gyro_rates
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Motion:
+    """True motion and true readings at equally spaced times.
+
+    Attributes
+    ----------
+    time : ndarray, shape (n,)
+        s, from 0.
+    states : ndarray, shape (n, 9)
+        In the order of `fogkit.gyrocompass.mechanisation.CompassState.to_vector`.
+    rates : ndarray, shape (n, 3)
+        Rates of the gyros x, y, z of the pyramid, rad/s.
+    specific_force : ndarray, shape (n, 3)
+        In the hull, forward, up, starboard, m/s^2.
+    mount_angle, mount_rate : ndarray, shape (n,)
+        rad, rad/s.
+    gravity : float
+        Gravity on the sphere, m/s^2.
+    axes : ndarray, shape (3, 3)
+        ``C_p_m``, the gyros' input axes in the mount; those of the pyramid, unless gyros stand otherwise.
+    """
+
+    time: Array
+    states: Array
+    rates: Array
+    specific_force: Array
+    mount_angle: Array
+    mount_rate: Array
+    gravity: float = STANDARD_GRAVITY
+    axes: Array = field(default_factory=pyramid_axes)
+
+    @property
+    def dt(self) -> float:
+        """Step, s."""
+        return float(self.time[1] - self.time[0])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Vessel:
+    """A vessel that keeps its heading, trim and velocity and rolls harmonically: the motion of [1]_.
+
+    Parameters
+    ----------
+    lat : float
+        Latitude, rad.
+    heading, trim : float, optional
+        Angles, rad.
+    roll, roll_swing : float, optional
+        Mean roll and amplitude of rolling, rad.
+    roll_period : float, optional
+        Period of rolling, s.
+    speed : float, optional
+        Speed ahead over the ground, m/s, level; the vessel then follows its heading along a rhumb line.
+
+    Raises
+    ------
+    ValueError
+        If an argument is out of range: `lat` at a pole, `trim` vertical, `roll_period` not positive.
+    """
+
+    lat: float
+    heading: float = 0.0
+    trim: float = 0.0
+    roll: float = 0.0
+    roll_swing: float = 0.0
+    roll_period: float = 60.0
+    speed: float = 0.0
+
+    def __post_init__(self) -> None:
+        lat = checked_latitude(checks.finite("lat", self.lat, "rad"), pole_margin=POLE_MARGIN)
+        object.__setattr__(self, "lat", float(lat))
+        object.__setattr__(self, "trim", float(checked_trim(checks.finite("trim", self.trim, "rad"))))
+        for name, unit in (("heading", "rad"), ("roll", "rad"), ("roll_swing", "rad"), ("speed", "m/s")):
+            object.__setattr__(self, name, checks.finite(name, getattr(self, name), unit))
+        object.__setattr__(self, "roll_period", checks.positive("roll_period", self.roll_period, "s"))
+
+    def motion(
+        self,
+        duration: float,
+        dt: float,
+        law: MountLaw | None = None,
+        *,
+        gravity: float = STANDARD_GRAVITY,
+        axes: ArrayLike | None = None,
+    ) -> Motion:
+        """Motion with a law of the mount, from time 0.
+
+        Parameters
+        ----------
+        duration, dt : float
+            Length and step, s.
+        law : MountLaw, optional
+            Law of the mount; switched off at angle 0 if not given.
+        gravity : float, optional
+            m/s^2.
+        axes : array_like, shape (3, 3), optional
+            ``C_p_m`` of gyros that stand on the mount in another way than the pyramid's, each in a column.
+
+        Returns
+        -------
+        Motion
+            True motion and readings.
+
+        Raises
+        ------
+        ValueError
+            If the law is sampled too coarsely (`MountLaw.sample_times`), or `axes` is no rotation.
+        """
+        axes = pyramid_axes() if axes is None else checks.rotation_matrix("axes", axes)
+        law = Fixed() if law is None else checks.instance("law", law, MountLaw)
+        t = law.sample_times(duration, dt)
+        frequency = 2 * np.pi / self.roll_period
+        roll = self.roll + self.roll_swing * np.sin(frequency * t)
+        C_h_g = hull_attitude(self.heading, self.trim, roll)
+        velocity = self.speed * np.array([np.cos(self.heading), 0.0, np.sin(self.heading)])
+        lat, lon = self._rhumb_line(t)
+        omega_ig_g = geographic_rate(lat, velocity)
+        earth = omega_ig_g + geographic_rate(lat, np.zeros(3))
+        force_g = np.array([0.0, gravity, 0.0]) + np.cross(earth, velocity)
+        to_hull = C_h_g.swapaxes(-1, -2)
+        hull = (to_hull @ omega_ig_g[..., np.newaxis])[..., 0]
+        hull[:, 0] += self.roll_swing * frequency * np.cos(frequency * t)  # rolling is about the hull's forward axis
+        states = np.zeros((len(t), 9))
+        states[:, 0], states[:, 1], states[:, 2] = self.heading, self.trim, roll
+        states[:, 3:6], states[:, 6], states[:, 7] = velocity, lat, lon
+        angle, rate, _ = law.motion(t)
+        return Motion(
+            time=t,
+            states=states,
+            rates=gyro_rates(hull, angle, rate) @ pyramid_axes().T @ axes,
+            specific_force=(to_hull @ force_g[..., np.newaxis])[..., 0],
+            mount_angle=angle,
+            mount_rate=rate,
+            gravity=checks.positive("gravity", gravity, "m/s^2"),
+            axes=axes,
+        )
+
+    def _rhumb_line(self, t: Array) -> tuple[Array, Array]:
+        """Latitude and longitude, rad, at times, s: longitude by the difference of isometric latitudes."""
+        north, east = self.speed / EARTH_RADIUS * np.array([np.cos(self.heading), np.sin(self.heading)])
+        lat = self.lat + north * t
+        if abs(north) * t[-1] < 1e-6:  # along a parallel: the difference below would be lost in rounding
+            return lat, east * t / np.cos(0.5 * (lat + self.lat))
+        isometric = np.arctanh(np.sin(lat)) - np.arctanh(np.sin(self.lat))
+        return lat, np.tan(self.heading) * isometric
