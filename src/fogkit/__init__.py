@@ -35,10 +35,10 @@ Modules, each importing only from those above it
 `fogkit.noise`          random errors: angle random walk to rate ramp, Allan deviation, identification
 `fogkit.optics`         one gyro: coil, interferometer, digital loop, simulator, drift under vibration and its remedies
 `fogkit.thermal`        temperature: thermal network, models of its effect, which of them the data support
-`fogkit.imu`            three axes: error model, constructions, mean readings
-`fogkit.stand`          rate table with its errors, plans, what is read while one is carried out
+`fogkit.imu`            three axes: error model, constructions, a whole unit with delays and size effect
+`fogkit.stand`          rate table, plate and rough turntable with their errors, plans, what is read meanwhile
 `fogkit.navigation`     strapdown mechanisation: attitude and velocity from increments
-`fogkit.calibration`    requirements, calibration in three stages, fit of all data, budgets
+`fogkit.calibration`    requirements, three stages, many positions, rate sequences, by navigation; uncertainty, plans
 `fogkit.gyrocompass`    gyrocompass on a rocked mount: equations, laws, accuracy, filters, scan of the Earth rate
 `fogkit.campaign`       many runs of anything, on any executor
 `fogkit.claims`         the ledger of claims: what the papers state, and what became of it
@@ -54,20 +54,8 @@ import importlib
 __version__ = "0.1.0"
 
 _MODULES = {
-    *("calibration", "campaign", "checks", "claims", "constants", "earth", "estimation", "gyrocompass"),
-    *(
-        "imu",
-        "navigation",
-        "noise",
-        "optics",
-        "plotting",
-        "reproduction",
-        "results",
-        "rotation",
-        "stand",
-        "thermal",
-        "units",
-    ),
+    *("calibration", "campaign", "checks", "claims", "constants", "earth", "estimation", "gyrocompass", "imu"),
+    *("navigation", "noise", "optics", "plotting", "reproduction", "results", "rotation", "stand", "thermal", "units"),
 }
 
 
