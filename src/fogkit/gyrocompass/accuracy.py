@@ -5,9 +5,9 @@ complex number the two level gyro signals are ``omega_ie cos(lat) exp(i (beta - 
 any three orthogonal gyros of equal noise, however they stand on the mount: the up component, with the rate of the mount
 and its errors, is left to the third direction. Least squares for heading and two unknown biases has the information ::
 
-    (omega_ie cos(lat) / N)**2 * T * (1 - |m|**2),        m = mean over T of exp(i beta)
+    (omega_ie cos(lat) / N)**2 * T * (1 - |m|**2)
 
-so a law is judged by ``m`` alone: 0 is best, and nothing is left at 1, where the mount stands. Rocking by a harmonic
+with m the mean of ``exp(i beta)`` over the time T, so a law is judged by ``m`` alone: 0 is best, and nothing is left at 1, where the mount stands. Rocking by a harmonic
 law has ``m = J0(amplitude)``, turning to and fro at constant speed ``sin(amplitude)/amplitude``; whole turns, two
 opposite positions, and reversals at 180 degrees have 0. The period enters only where noise is not white
 (`steady_heading_std`).

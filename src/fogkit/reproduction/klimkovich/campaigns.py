@@ -44,7 +44,10 @@ NOISE = {
         accelerometers=RandomErrors(angle_random_walk=10 * MICRO_G),
     ),
 }
-"""White noise of the velocity, 1 mm/s in each sample; random walks of angle and velocity as of good sensors."""
+"""White noise of the velocity, 1 mm/s in each sample; random walks of angle and velocity as of good sensors.
+
+:meta hide-value:
+"""
 
 TOLERATED = np.array([ARCSEC] * 3 + [PPM if i % 4 == 0 else ARCSEC for i in range(9)] + [10 * MICRO_G] * 3)
 """Sizes in which the "A" plan counts the fifteen errors: 1 arcsec, 1 ppm, 10 micro-g."""

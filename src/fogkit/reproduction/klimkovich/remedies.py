@@ -42,7 +42,10 @@ NOISE = SensorNoise(
     gyros=RandomErrors(angle_random_walk=ANGLE_RANDOM_WALK),
     accelerometers=RandomErrors(angle_random_walk=VELOCITY_RANDOM_WALK),
 )
-"""Random errors of a noisy `Trial`, for the weights of the batch estimate."""
+"""Random errors of a noisy `Trial`, for the weights of the batch estimate.
+
+:meta hide-value:
+"""
 
 _SETTLED = 8  # steps of a fixed point that contracts by the sag in each: 1e-2 on a very rough table
 
