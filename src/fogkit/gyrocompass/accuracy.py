@@ -7,7 +7,8 @@ and its errors, is left to the third direction. Least squares for heading and tw
 
     (omega_ie cos(lat) / N)**2 * T * (1 - |m|**2)
 
-with m the mean of ``exp(i beta)`` over the time T, so a law is judged by ``m`` alone: 0 is best, and nothing is left at 1, where the mount stands. Rocking by a harmonic
+with m the mean of ``exp(i beta)`` over the time T, so a law is judged by ``m`` alone: 0 is best, and nothing is left at
+1, where the mount stands. Rocking by a harmonic
 law has ``m = J0(amplitude)``, turning to and fro at constant speed ``sin(amplitude)/amplitude``; whole turns, two
 opposite positions, and reversals at 180 degrees have 0. The period enters only where noise is not white
 (`steady_heading_std`).
