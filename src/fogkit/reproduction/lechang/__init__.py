@@ -1,8 +1,196 @@
-"""Le Van Chang (2015), gyrocompass on a rocked mount: printed inputs, equations derived, rates and requirements.
+"""Le Van Chang (2015), gyrocompass on a rocked mount: inputs, equations, requirements, simulation, experiments.
 
-The text is a scan with garbled formulas: `derivation` has them as restored, beside what follows by derivation.
+`values` maps the rows of the ledger to what computes them. The text is a scan with garbled formulas: `derivation` has
+them as restored, beside what follows by derivation.
+
+=================  =====================================================================================
+module             answers
+=================  =====================================================================================
+`paper`            what does the thesis state in numbers?
+`pyramid`          which Euler sequence do the pyramid's printed angles belong to?
+`derivation`       which equations follow, with which signs?
+`kinematics`       do equations and error model agree with turns and differences?
+`rates`            what do the rates of hull and mount leave of a gyro's range?
+`requirements`     from a gyro's error to heading, with the mount off, (17)?
+`simulation`       what do the motions of the simulation let be known, by covariance?
+`filtering`        what do the filters find over many seeds, and which may be believed?
+`verdicts`         do the claims in words on compasses, frames and equations hold?
+=================  =====================================================================================
 """
 
-from fogkit.reproduction.lechang import derivation, filtering, paper, pyramid, rates, requirements, simulation
+from collections.abc import Callable
+from typing import Any
 
-__all__ = ["derivation", "filtering", "paper", "pyramid", "rates", "requirements", "simulation"]
+import numpy as np
+
+from fogkit.claims import Proof
+from fogkit.gyrocompass.error_model import MEASUREMENTS, STATES
+from fogkit.reproduction.lechang import (
+    derivation,
+    filtering,
+    kinematics,
+    paper,
+    pyramid,
+    rates,
+    requirements,
+    simulation,
+    verdicts,
+)
+from fogkit.units import DEG, DEG_PER_HOUR, DEG_PER_SECOND, DEG_PER_SQRT_HOUR, PERCENT
+
+__all__ = [
+    "derivation",
+    "filtering",
+    "kinematics",
+    "paper",
+    "pyramid",
+    "rates",
+    "requirements",
+    "simulation",
+    "values",
+    "verdicts",
+]
+
+
+def values() -> dict[str, Callable[[], Any] | Any]:
+    """What computes each row of the ledger, by row id; see `fogkit.claims`."""
+    rows = _compasses() | _frames() | _equations() | _law() | _requirements() | _simulation() | _experiments()
+    return {f"lechang-{name}": value for name, value in rows.items()}
+
+
+def _compasses() -> dict:
+    """Introduction and chapter 1."""
+    return {
+        "intro-modulation": verdicts.turning_replaces_better_gyros,
+        "claim-3": verdicts.aiding_bounds_errors,
+        "ch1-pendulum": verdicts.pendulum_seeks_the_meridian,
+        "eq01": verdicts.level_gyro_reads_eq01,
+        "eq02": verdicts.eq02_inverts_eq01,
+        "ch1-ins": verdicts.at_rest_nothing_changes,
+        "ch1-growth": verdicts.aiding_bounds_errors,
+        "ch1-observability": verdicts.fixed_unit_hides_heading,
+        "ch1-remedy": verdicts.turning_shows_all,
+        "ch1-lasers": verdicts.each_gyro_is_turned,
+        "ch1-pyramid-compensates": verdicts.turning_compensates_across_the_axis,
+        "ch1-omega": verdicts.cube_shows_azimuth_gyro_only,
+        "table1-2-km11": verdicts.turning_shows_all,
+        "table1-2-pl41": verdicts.turning_shows_all,
+        "table1-2-omega": verdicts.cube_hides_an_error,
+    }
+
+
+def _frames() -> dict:
+    return {
+        **dict.fromkeys(("frame-geographic", "frame-hull", "frame-sequence"), verdicts.frames_are_as_stated),
+        "frame-accelerometers": verdicts.accelerometers_do_not_turn,
+        "frame-pyramid": verdicts.each_gyro_is_turned,
+        "frame-beta": verdicts.sense_of_the_mount,
+        "frame-euler": lambda: len(pyramid.sequences().query("upward and equation_13")) == 1,
+        "frame-psi": lambda: verdicts.euler_angles()[0],
+        "frame-theta": lambda: verdicts.euler_angles()[1],
+        "frame-gamma": lambda: verdicts.euler_angles()[2],
+        "frame-orthogonal": lambda: abs(verdicts.inclination_that_is_orthogonal() - paper.PYRAMID_ANGLES_DEG[1]) < 0.05,
+        "law-axis": verdicts.mount_stands_on_the_normal,
+    }
+
+
+def _equations() -> dict:
+    columns = ("heading", "trim", "roll", "velocity-north", "velocity-east", "lat", "alt", "gyro-x", "gyro-y", "gyro-z")
+    return {
+        **{name: (lambda name=name: kinematics.follows(name)) for name in ("eq03", "eq04", "eq05")},
+        **{
+            f"eq06-{angle}": (lambda angle=angle: derivation.holds(f"eq06-{angle}") and kinematics.follows("eq06"))
+            for angle in ("heading", "trim", "roll")
+        },
+        "eq06-singular": _limit_of_eq06,
+        "eq07": lambda: kinematics.angles_by_integration() < 1e-7,
+        **{f"eq08-{name}": (lambda name=name: verdicts.restored(f"eq08-{name}")) for name in columns},
+        "eq08-errors": kinematics.errors_of_a_gyro_act_alike,
+        **dict.fromkeys(("eq08-others", "eq09"), lambda: kinematics.error_model_departure() < kinematics.TOLERANCE),
+        "eq10": len(STATES),
+        "eq10-noise": kinematics.errors_of_a_gyro_act_alike,
+        "eq11": len(MEASUREMENTS),
+        "eq12": kinematics.measurement_takes_its_states,
+        **{name: (lambda: derivation.holds("eq13")) for name in ("eq13", "eq13-k1", "eq13-k2")},
+        **{
+            f"eq14-{term}": (lambda term=term: derivation.holds(f"eq14-{term}"))
+            for term in ("heading", "angle", "rate")
+        },
+        **{
+            f"eq17-{name}": (lambda name=name: verdicts.restored_17(name))
+            for name in ("gyro-x", "gyro-y", "gyro-z", "roll", "trim")
+        },
+        "eq17-51": lambda: float(np.rad2deg(np.arctan(np.sqrt(1.5)))),
+        "eq17-39": lambda: float(np.rad2deg(np.arctan(np.sqrt(2 / 3)))),
+    }
+
+
+def _limit_of_eq06() -> Proof:
+    """Whether rates of angles stay within ten times those of a level hull at trims of 89.9 and of 84 degrees."""
+    return Proof(
+        printed=kinematics.rates_near_a_vertical_bow(89.9 * DEG) < 10,
+        corrected=kinematics.rates_near_a_vertical_bow(84 * DEG) < 10,
+    )
+
+
+def _law() -> dict:
+    """The choice of the law, end of chapter 2."""
+    heading, trim, roll = (rate / DEG_PER_SECOND for rate in rates.hull_rates())
+    return {
+        "law-half-turn": verdicts.half_turn_changes_the_sign,
+        "rate-heading": heading,
+        "rate-trim": trim,
+        "rate-roll": roll,
+        "gyro-range": paper.GYRO_RANGE / DEG_PER_SECOND,
+        "scale-limit": paper.SCALE_FACTOR_LIMIT / PERCENT,
+        "rate-limit": paper.GYRO_RANGE / 2 / DEG_PER_SECOND,
+        "rate-left": lambda: rates.budgets()["squares"].mount_rate / DEG_PER_SECOND,
+        "rate-left-rad": lambda: rates.budgets()["squares"].mount_rate,
+        "period": lambda: rates.budgets()["squares"].period,
+    }
+
+
+def _requirements() -> dict:
+    """Tables 2 and 3, beginning of chapter 3."""
+    return {
+        "table2-heading": paper.HEADING_ACCURACY / DEG,
+        "table2-level": paper.LEVEL_ACCURACY / DEG,
+        "table2-tilt": paper.LARGEST_TILT / DEG,
+    }
+
+
+def _simulation() -> dict:
+    """The simulation, chapter 3."""
+    gyros = zip("xyz", paper.SIMULATED_BIASES, paper.SIMULATED_SCALE_FACTORS, strict=True)
+    return {
+        "sim-heading": paper.HEADING / DEG,
+        "sim-trim": paper.TRIM / DEG,
+        "sim-roll-mean": paper.ROLL_MEAN / DEG,
+        "sim-roll-swing": paper.ROLL_SWING / DEG,
+        "sim-roll-period": paper.ROLL_SWING_PERIOD,
+        "sim-amplitude": paper.MOUNT_AMPLITUDE / DEG,
+        "sim-period": paper.MOUNT_PERIOD,
+        "sim-duration": simulation.ASSUMED_DURATION,
+        **{
+            f"table4-{gyro}-{name}": value
+            for gyro, bias, scale in gyros
+            for name, value in (
+                ("bias", bias / DEG_PER_HOUR),
+                ("scale", scale / PERCENT),
+                ("noise", paper.SIMULATED_RANDOM_WALK / DEG_PER_SQRT_HOUR),
+            )
+        },
+    }
+
+
+def _experiments() -> dict:
+    """The experiments, chapter 4."""
+    return {
+        "vg951-bias": paper.DATA_SHEET_BIAS / DEG_PER_SECOND,
+        "vg951-scale": paper.DATA_SHEET_SCALE * DEG_PER_SECOND / 1e-3,
+        "vg951-noise": paper.DATA_SHEET_NOISE / 1e-3,
+        "vg951-range": paper.GYRO_RANGE / DEG_PER_SECOND,
+        "exp2-amplitude": paper.EXPERIMENT_AMPLITUDE / DEG,
+        "exp2-period": paper.EXPERIMENT_PERIOD,
+        "ch4-middle-class": lambda: verdicts.middle_class_of_gyros() < 10,
+    }
