@@ -24,11 +24,14 @@ from typing import Any
 import numpy as np
 
 from fogkit.claims import Proof
+from fogkit.gyrocompass.accuracy import best_harmonic_amplitude, mean_direction
 from fogkit.gyrocompass.error_model import MEASUREMENTS, STATES
+from fogkit.gyrocompass.laws import QuasiHarmonic
 from fogkit.reproduction.lechang import (
     derivation,
     filtering,
     kinematics,
+    law_claims,
     paper,
     pyramid,
     rates,
@@ -42,6 +45,7 @@ __all__ = [
     "derivation",
     "filtering",
     "kinematics",
+    "law_claims",
     "paper",
     "pyramid",
     "rates",
@@ -137,7 +141,16 @@ def _law() -> dict:
     """The choice of the law, end of chapter 2."""
     heading, trim, roll = (rate / DEG_PER_SECOND for rate in rates.hull_rates())
     return {
+        "novelty-2": law_claims.quasi_harmonic_is_best,
+        "law-range": law_claims.range_limits_the_law,
+        "law-observable": lambda: verdicts.turning_shows_all() and not verdicts.fixed_unit_shows_all(),
+        "eq14-left-out": law_claims.tilt_enters_by_tan_lat,
+        "law-two-positions": law_claims.two_positions,
+        "law-amplitude": _amplitude,
         "law-half-turn": verdicts.half_turn_changes_the_sign,
+        "law-half-turn-seen": law_claims.half_turn_shows_the_bias,
+        "law-encoder": law_claims.harmonic_keeps_encoder_errors_out,
+        "law-unsteady": law_claims.unsteady_speed_speaks_against_constant_speed,
         "rate-heading": heading,
         "rate-trim": trim,
         "rate-roll": roll,
@@ -146,8 +159,21 @@ def _law() -> dict:
         "rate-limit": paper.GYRO_RANGE / 2 / DEG_PER_SECOND,
         "rate-left": lambda: rates.budgets()["squares"].mount_rate / DEG_PER_SECOND,
         "rate-left-rad": lambda: rates.budgets()["squares"].mount_rate,
+        "rate-limit-enough": law_claims.scale_factor_is_met_at_half_range,
+        "rate-sum": law_claims.rates_add_as_squares,
+        "eq16": law_claims.rate_follows_from_the_law,
         "period": lambda: rates.budgets()["squares"].period,
+        "period-180": lambda: rates.budgets(paper.MOUNT_AMPLITUDE)["squares"].period,
+        "conclusion-3": law_claims.law_is_justified,
     }
+
+
+def _amplitude() -> Proof:
+    """Whether every amplitude from 90 degrees on loses less than 1 % of the bound, and whether the zero of J0 does."""
+    return Proof(
+        printed=law_claims.largest_loss_from(paper.LEAST_AMPLITUDE) < 0.01,
+        corrected=abs(mean_direction(QuasiHarmonic(amplitude=best_harmonic_amplitude(), period=60.0))) < 1e-6,
+    )
 
 
 def _requirements() -> dict:

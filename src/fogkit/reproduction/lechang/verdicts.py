@@ -118,6 +118,11 @@ def fixed_unit_hides_heading() -> bool:
     return bool(left_of(mount=False, rolling=False)["heading"] > 0.95 and at_all > 0.05)
 
 
+def fixed_unit_shows_all() -> bool:
+    """Whether with the mount off, at rest, every one of them is seen."""
+    return max(left_of(mount=False, rolling=False).values()) < SEEN
+
+
 def turning_shows_all() -> bool:
     """Whether with the mount on, at rest and rolling, every one of heading, biases and scale factors is seen."""
     return all(max(left_of(mount=True, rolling=rolling).values()) < SEEN for rolling in (False, True))
