@@ -14,5 +14,10 @@ module              answers
 `covariance`        how well is each state known over a motion, with an aid?
 `filters`           what do a record and an aid say of heading, and may one believe it?
 `scan`              what does a scan of the Earth rate at rest say, and what does it leave open?
+`design`            how well do gyros, mount, latitude and time give heading, and which part is the weakest?
+`design_inputs`     which numbers does a design start from?
+`design_noise`      what is left of gyro noise of any colour under a law?
+`design_laws`       which law is the best within what a mount can do?
+`design_runs`       does the filter reach what a design promises?
 ==================  =====================================================================================
 """

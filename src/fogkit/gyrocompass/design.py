@@ -1,10 +1,11 @@
-"""Design of a gyrocompass on a mount: which heading do gyros, mount, latitude and time give, and which of them is at fault?
+"""Design of a gyrocompass: how well do gyros, mount, latitude and time give heading, and what is the weakest part?
 
 For a hull at rest. Heading comes from the level gyro signals (`fogkit.gyrocompass.design_noise`); to it are added what
 tilts, the angle sensor and a poor aid do. Parts are added by squares.
 """
 
 import warnings
+from bisect import bisect_left
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -99,7 +100,7 @@ def heading_accuracy(
     duration : float
         Time of the measurement, s.
     aid : Aid, optional
-        Velocity or position that tells tilts from turning. None: level angles are known at all times but for `level_std`.
+        Velocity or position that tells tilts from turning. None: level angles are known but for `level_std`.
     level_std : float, optional
         Standard deviation of a constant error of the tilts, rad: accelerometer bias over gravity.
     encoder : Encoder, optional
@@ -183,9 +184,10 @@ def aid_share(
 def aided_std(
     gyro: GyroGrade, law: MountLaw, lat: float, duration: float, aid: Aid, velocity_random_walk: float = 0.0
 ) -> float:
-    """Standard deviation of heading, rad, that `run_covariance` has at the end, from a heading of which nothing is known.
+    """Standard deviation of heading, rad, that `run_covariance` has at the end.
 
-    Parameters are those of `heading_accuracy`. Bias instability and asymmetry are no part of that covariance.
+    Nothing is known of heading at the start. Parameters are those of `heading_accuracy`. Bias instability and asymmetry
+    are no part of that covariance.
     """
     step = min(aid.interval, COARSEST_STEP / 2 / law.max_rate if law.max_rate > 0 else np.inf, 0.1)
     dt = aid.interval / np.ceil(aid.interval / step)
@@ -242,7 +244,7 @@ def walk_for(
             f"`accuracy` must be above what remains without white noise, {best.std / DEG:.4g} deg, got "
             f"{accuracy / DEG:.4g} deg. Most of it is the part {best.largest!r}"
         )
-    walk = float(np.exp(brentq(lambda x: np.log(found(x).std / accuracy), least, most, xtol=1e-4)))
+    walk = float(np.exp(brentq(lambda x: np.log(found(x).std / accuracy), least, most, xtol=1e-3)))
     heading_accuracy(replace(gyro, angle_random_walk=walk), mount, lat, duration, **options)
     return walk
 
@@ -250,7 +252,7 @@ def walk_for(
 def time_for(
     accuracy: float,
     gyro: GyroGrade,
-    mount: MountLimits,
+    mount: MountLimits | MountLaw,
     lat: float,
     *,
     longest: float = HOUR,
@@ -263,8 +265,7 @@ def time_for(
     accuracy : float
         Standard deviation of heading that is wanted, rad.
     gyro, mount, lat, **options
-        As for `heading_accuracy`; a law may be given in place of the limits, and is then judged at times of whole
-        periods.
+        As for `heading_accuracy`; a law is judged after whole periods.
     longest : float, optional
         Longest time that is tried, s.
 
@@ -286,6 +287,14 @@ def time_for(
             warnings.simplefilter("ignore")
             return heading_accuracy(gyro, mount, lat, duration, **options)
 
+    def enough(duration: float) -> bool:
+        try:
+            return found(duration).std <= accuracy
+        except ValueError:  # too short for any law: `found(longest)` has shown that nothing else is wrong
+            return False
+
+    if isinstance(mount, MountLaw):
+        longest = mount.period * max(int(longest / mount.period), 1)
     end = found(longest)
     if end.std > accuracy:
         raise ValueError(
@@ -293,18 +302,12 @@ def time_for(
             f"{accuracy / DEG:.4g} deg. Most of it is the part {end.largest!r}"
         )
     if isinstance(mount, MountLaw):
-        for count in range(1, int(longest / mount.period) + 1):
-            if found(count * mount.period).std <= accuracy:
-                return count * mount.period
-        return longest
-    low, high = 1.0, longest
+        counts = np.arange(1, int(longest / mount.period) + 1)
+        return mount.period * int(counts[bisect_left(counts, True, key=lambda n: enough(n * mount.period))])
+    low, high = longest * (end.budget["white noise"] / accuracy) ** 2, longest  # no sooner than by white noise alone
     while high / low > 1.01:
         middle = float(np.sqrt(low * high))
-        try:
-            enough = found(middle).std <= accuracy
-        except ValueError:  # too short for any law
-            enough = False
-        low, high = (low, middle) if enough else (middle, high)
+        low, high = (low, middle) if enough(middle) else (middle, high)
     return high
 
 
@@ -323,8 +326,8 @@ def _warn(result: HeadingAccuracy, gyro: GyroGrade, lat: float, duration: float,
     if result.budget["aid"] > 0 and result.largest == "aid":
         rest = np.sqrt(result.std**2 - result.budget["aid"] ** 2)
         _say(
-            f"the aid makes {result.budget['aid'] / DEG:.3g} deg, all the rest {rest / DEG:.3g} deg: a better aid, or a "
-            f"law with a mean direction nearer zero than {abs(result.mean_direction):.2g}, is worth more than better gyros"
+            f"the aid makes {result.budget['aid'] / DEG:.3g} deg, all the rest {rest / DEG:.3g} deg: a better aid, or "
+            f"a mean direction of the law nearer zero than {abs(result.mean_direction):.2g}, helps more than gyros"
         )
     if result.std > LARGEST_STD:
         _say(f"heading is known to {result.std / DEG:.3g} deg only, where a linear budget says little")

@@ -1,4 +1,4 @@
-"""What a designer of a gyrocompass starts from: the grade of the gyros, as data sheets have it, and what the mount can do."""
+"""What a design starts from: the grade of the gyros, as data sheets have it, and what the mount can do."""
 
 from dataclasses import dataclass
 
@@ -121,7 +121,8 @@ class MountLimits(Record):
         left = float(((gyro.largest_rate - level) / np.abs(axes[1])).min() - up)
         if not left > 0:
             raise ValueError(
-                f"`gyro.largest_rate` must exceed what the hull alone does, got {gyro.largest_rate / DEG_PER_SECOND:.4g} "
-                f"deg/s, which leaves {left / DEG_PER_SECOND:.4g} deg/s for the mount"
+                f"`gyro.largest_rate` must exceed what the hull alone does, got "
+                f"{gyro.largest_rate / DEG_PER_SECOND:.4g} deg/s, which leaves "
+                f"{left / DEG_PER_SECOND:.4g} deg/s for the mount"
             )
         return min(self.max_rate, left)

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from fogkit import checks
-from fogkit.gyrocompass.accuracy import best_harmonic_amplitude, mean_direction
+from fogkit.gyrocompass.accuracy import best_harmonic_amplitude
 from fogkit.gyrocompass.design_inputs import GyroGrade, MountLimits
 from fogkit.gyrocompass.design_noise import level_estimate
 from fogkit.gyrocompass.laws import ConstantSpeedReversal, DwellAndTurn, MountLaw, OneWay, QuasiHarmonic
@@ -17,6 +17,11 @@ PERIODS = (1, 2, 3, 4, 6, 8, 12, 16, 24, 32)
 
 ENOUGH = 1.01
 """A slower law, or one further up in the list of `laws_within`, is taken if its heading is worse by this at most."""
+
+
+_PLACES = (
+    np.arange(1000) + 0.5
+) / 1000  # in a period, for the mean direction: a law is as good within 1e-3 of its zero
 
 
 def laws_within(mount: MountLimits, max_rate: float, duration: float) -> Iterator[MountLaw]:
@@ -93,7 +98,7 @@ def _one_way(mount: MountLimits, max_rate: float, period: float) -> MountLaw | N
 
 
 def _reversal(mount: MountLimits, max_rate: float, period: float) -> MountLaw | None:
-    """Reversal at the mount's acceleration, at the amplitude that makes the mean direction zero if it has the travel."""
+    """Reversal at the mount's acceleration, with a mean direction of zero if there is the travel."""
 
     def made(amplitude: float) -> ConstantSpeedReversal | None:
         a = mount.max_acceleration
@@ -131,14 +136,14 @@ def _at_zero_mean(made, most: float, low: float, high: float) -> MountLaw | None
 
     def mean(amplitude: float) -> float:
         law = made(amplitude)  # none: as if beyond the zero
-        return -1.0 if law is None else mean_direction(law).real
+        return -1.0 if law is None else float(np.cos(law.angle(law.period * _PLACES)).mean())
 
     if most <= low or mean(low) <= 0:
         return made(min(most, low))
     if mean(high := min(most, high)) > 0:
         return made(high)
     if made(high) is not None:
-        return made(brentq(mean, low, high, xtol=1e-9))
+        return made(brentq(mean, low, high, xtol=1e-6))
     for _ in range(40):  # too wide for the mount: the zero, or the widest that it can do
         middle = (low + high) / 2
         low, high = (middle, high) if mean(middle) > 0 else (low, middle)

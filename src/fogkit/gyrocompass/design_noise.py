@@ -2,9 +2,10 @@
 
 In axes of the mount the two level signals are, as one complex number (`fogkit.gyrocompass.accuracy`), the Earth's level
 rate times ``i exp(i beta)`` for each radian of heading. Beside it stand what the gyros add: biases (1), scale factors
-and misalignments (the mount's rate), their asymmetry (its magnitude), and, where the hull is not known to keep its
-heading, what the up gyro adds of the same kinds, integrated. All of these are unknowns with a prior; white noise,
-flicker and random walk of the rate are weighed by their covariance.
+and misalignments (the mount's rate), and, where the hull is not known to keep its heading, what the up gyro adds of the
+same kinds, integrated. All of these are unknowns with a prior; white noise, flicker and random walk of the rate are
+weighed by their covariance. Asymmetry of the scale factors (the magnitude of the rate) is no state of the filters here:
+what it makes of their estimate is added.
 """
 
 from dataclasses import dataclass
@@ -22,12 +23,13 @@ Array = NDArray[np.float64]
 
 PARTS = ("white noise", "separation", "bias", "scale factor", "asymmetry", "bias instability", "rate random walk")
 """Parts of the variance: white noise if all else is known; what it costs that biases and the like are estimated too;
-then what is left of each of them with what is known of it beforehand, and of the coloured noise."""
+then what is left of each of them with what is known of it beforehand, what asymmetry does, and the coloured noise."""
 
 MOST_PERIODS = 200
 BLOCKS_PER_PERIOD = 12
 FEWEST_BLOCKS = 240
-_STEP = 5e-3  # angle, rad, between points of a mean: wrong by 5e-3**2/24 = 1e-6 of it
+_STEP = 0.02  # angle, rad, between points of a mean: wrong by 0.02**2/24 = 2e-5 of it
+_POINTS = 2048  # fewest points
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -104,7 +106,8 @@ def level_estimate(
     with np.errstate(divide="ignore"):
         prior = 1 / np.square(priors)
     known = np.isinf(prior)  # a standard deviation of zero
-    free = np.flatnonzero(~known)
+    ignored = np.array([kind == "asymmetry" for kind in kinds])
+    free = np.flatnonzero(~known & ~ignored)
     row = _first_row(information[np.ix_(free, free)] + np.diag(prior[free]))
     mean = complex(np.exp(1j * law.angle(_times(law, duration, count))).mean())
     if row is None:
@@ -118,6 +121,8 @@ def level_estimate(
     for k, value in zip(free, row, strict=True):
         if k:
             variances[kinds[k]] += float(value**2 * prior[k])
+    for k in np.flatnonzero(ignored):
+        variances["asymmetry"] += float((row @ information[free, k]) ** 2 * priors[k] ** 2)
     return LevelEstimate(variances=variances, mean_direction=mean)
 
 
@@ -136,7 +141,8 @@ def _signals(
     kinds = ["", *["bias"] * 2, *["scale factor"] * 2, *["asymmetry"] * 2]
     if not heading_fixed:
         covered = np.cumsum(fast.ravel()).reshape(fast.shape) * (duration / fast.size)
-        columns += [heading * (t - duration), heading * (angle - law.angle(duration)), heading * (covered - covered[-1, -1])]
+        turned = angle - law.angle(duration)
+        columns += [heading * (t - duration), heading * turned, heading * (covered - covered[-1, -1])]
         priors += [gyro.bias, scale, asymmetry]
         kinds += ["bias", "scale factor", "asymmetry"]
     return np.array(columns), np.array(priors), kinds
@@ -148,15 +154,15 @@ def _blocks(law: MountLaw, duration: float, gyro: GyroGrade) -> int:
         return 1
     if periods > MOST_PERIODS:
         raise ValueError(
-            f"`duration` must be at most {MOST_PERIODS} periods of the law with coloured noise, got {periods:.4g}: beyond, "
-            "scale a result by the root of time, or use `accuracy.steady_heading_std`"
+            f"`duration` must be at most {MOST_PERIODS} periods of the law with coloured noise, got {periods:.4g}: "
+            "beyond, scale a result by the root of time, or use `accuracy.steady_heading_std`"
         )
     return max(FEWEST_BLOCKS, int(np.ceil(BLOCKS_PER_PERIOD * periods)))
 
 
 def _times(law: MountLaw, duration: float, count: int) -> Array:
     """Midpoints of equal steps, shape (blocks, points)."""
-    points = max(4096, int(np.ceil(law.max_rate * duration / _STEP)))
+    points = max(_POINTS, int(np.ceil(law.max_rate * duration / _STEP)))
     points = int(np.ceil(points / count))
     return duration * (np.arange(count * points).reshape(count, points) + 0.5) / (count * points)
 
