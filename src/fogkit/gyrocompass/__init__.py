@@ -1,8 +1,8 @@
 """Gyrocompass of three gyros on a mount that turns them about the deck's normal.
 
-======================  =====================================================================================
+======================  ================================================================================================
 module                  answers
-======================  =====================================================================================
+======================  ================================================================================================
 `frames`                which axes has the thesis, which the package, and how does one come to the other?
 `mechanisation`         what do gyro readings, the mount's angle and specific force say of attitude, velocity, position?
 `error_model`           how do errors of these grow, and what does aiding see of them?
@@ -16,5 +16,10 @@ module                  answers
 `velocity_information`  what do velocities alone say of heading, and what spoils it when they are poor?
 `filters`               what do a record and an aid say of heading, and may one believe it?
 `scan`                  what does a scan of the Earth rate at rest say, and what does it leave open?
-======================  =====================================================================================
+`design`                how well do gyros, mount, latitude and time give heading, and which part is the weakest?
+`design_inputs`         which numbers does a design start from?
+`design_noise`          what is left of gyro noise of any colour under a law?
+`design_laws`           which law is the best within what a mount can do?
+`design_runs`           does the filter reach what a design promises?
+======================  ================================================================================================
 """
