@@ -1,9 +1,10 @@
 """The thesis's simulation by covariance: what the mount, off and then on, lets be known, for aids of any accuracy.
 
 Latitude, aid and what is known at the start are not stated. The latitude is taken as that of St Petersburg, the start
-from the errors of table 4; the aid is varied.
+from the errors of table 4; the aid is varied. `Inputs` has all that is not stated, `varied_inputs` what each does.
 """
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,7 +14,7 @@ from fogkit.gyrocompass.covariance import Aid, CovarianceRun, Noise, Prior, run_
 from fogkit.gyrocompass.laws import MountLaw, QuasiHarmonic
 from fogkit.gyrocompass.motions import Vessel
 from fogkit.reproduction.lechang import paper
-from fogkit.units import DEG, DEG_PER_HOUR, PERCENT
+from fogkit.units import DEG, DEG_PER_HOUR, MINUTE, PERCENT
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -52,25 +53,136 @@ def mount() -> MountLaw:
     return QuasiHarmonic(amplitude=paper.MOUNT_AMPLITUDE, period=paper.MOUNT_PERIOD)
 
 
-def off_then_on(velocity_std: float, lat: float = paper.ASSUMED_LATITUDE) -> tuple[CovarianceRun, CovarianceRun]:
+@dataclass(frozen=True, kw_only=True)
+class Inputs:
+    """What the thesis does not state of its simulation, with what is assumed here.
+
+    Parameters
+    ----------
+    lat : float, optional
+        Latitude, rad.
+    velocity_std, position_std, interval : float, optional
+        Standard deviations of the aid, m/s and m per component, and the time between its measurements, s.
+    heading_std, bias_std, scale_factor_std, level_std : float, optional
+        Of what is known at the start, rad, rad/s, 1, rad.
+    angle_random_walk : float, optional
+        Of the gyros, rad/sqrt(s): table 4, read as two-sided.
+    velocity_random_walk : float, optional
+        Of the accelerometers, m/s/sqrt(s).
+    switch_on : float, optional
+        Time at which the mount is switched on, s.
+    step : float, optional
+        Time between samples, s.
+    """
+
+    lat: float = paper.ASSUMED_LATITUDE
+    velocity_std: float = 0.01
+    position_std: float = 3.0
+    interval: float = 1.0
+    heading_std: float = ASSUMED_PRIOR.heading
+    bias_std: float = ASSUMED_PRIOR.bias
+    scale_factor_std: float = ASSUMED_PRIOR.scale_factor
+    level_std: float = ASSUMED_PRIOR.level
+    angle_random_walk: float = paper.SIMULATED_RANDOM_WALK
+    velocity_random_walk: float = 0.0
+    switch_on: float = ASSUMED_SWITCH_ON
+    step: float = STEP
+
+    @property
+    def prior(self) -> Prior:
+        """What is known at the start."""
+        return Prior(
+            heading=self.heading_std, level=self.level_std, bias=self.bias_std, scale_factor=self.scale_factor_std
+        )
+
+
+VARIED = {
+    ("as assumed", "60°, 1 cm/s, 3 m, 1 s, 10°, 400 s"): Inputs(),
+    ("latitude", "0°"): Inputs(lat=0.0),
+    ("latitude", "75°"): Inputs(lat=75 * DEG),
+    ("aid, velocity", "1 mm/s"): Inputs(velocity_std=0.001),
+    ("aid, velocity", "10 cm/s"): Inputs(velocity_std=0.1),
+    ("aid, velocity", "1 m/s"): Inputs(velocity_std=1.0),
+    ("aid, position", "0.1 m"): Inputs(position_std=0.1),
+    ("aid, interval", "0.1 s"): Inputs(interval=0.1),
+    ("aid, interval", "10 s"): Inputs(interval=10.0),
+    ("heading at the start", "1°"): Inputs(heading_std=1 * DEG),
+    ("heading at the start", "30°"): Inputs(heading_std=30 * DEG),
+    ("biases at the start", "60°/h"): Inputs(bias_std=60 * DEG_PER_HOUR),
+    ("scale factors at the start", "5 %"): Inputs(scale_factor_std=5 * PERCENT),
+    ("level at the start", "0.1°"): Inputs(level_std=0.1 * DEG),
+    ("gyro noise", "one-sided"): Inputs(angle_random_walk=paper.SIMULATED_RANDOM_WALK / 2**0.5),
+    ("accelerometer noise", "0.1 m/s/√h"): Inputs(velocity_random_walk=0.1 / (60 * MINUTE) ** 0.5),
+    ("mount on after", "0 s"): Inputs(switch_on=0.0),
+    ("mount on after", "200 s"): Inputs(switch_on=200.0),
+    ("sampling", "10 Hz"): Inputs(step=0.1),
+    ("sampling", "100 Hz"): Inputs(step=0.01),
+}
+"""One input at a time, each to a value that a reader may think as likely as that assumed."""
+
+
+def off_then_on(
+    velocity_std: float | None = None,
+    lat: float = paper.ASSUMED_LATITUDE,
+    *,
+    inputs: Inputs | None = None,
+    duration_on: float = ASSUMED_DURATION - ASSUMED_SWITCH_ON,
+) -> tuple[CovarianceRun | None, CovarianceRun]:
     """Covariance with the mount off, from the start, and with it on, from where that ended.
 
     Parameters
     ----------
-    velocity_std : float
+    velocity_std : float, optional
         Standard deviation of the aid's velocity, m/s, once a second; position 3 m.
     lat : float, optional
         Latitude, rad.
+    inputs : Inputs, optional
+        All that is not stated, in place of the two.
+    duration_on : float, optional
+        How long the mount is on, s.
 
     Returns
     -------
     tuple of CovarianceRun
-        Times of the second count from the switching on.
+        Times of the second count from the switching on; the first is None if the mount is on from the start.
     """
-    noise, aid = Noise(angle_random_walk=paper.SIMULATED_RANDOM_WALK), Aid.satellite(lat, velocity=velocity_std)
-    off = run_covariance(vessel(lat).motion(ASSUMED_SWITCH_ON, STEP), noise, aid, ASSUMED_PRIOR)
-    rest = ASSUMED_DURATION - ASSUMED_SWITCH_ON
-    return off, run_covariance(vessel(lat).motion(rest, STEP, mount()), noise, aid, off.covariance)
+    if inputs is None:
+        inputs = Inputs(lat=lat) if velocity_std is None else Inputs(lat=lat, velocity_std=velocity_std)
+    noise = Noise(angle_random_walk=inputs.angle_random_walk, velocity_random_walk=inputs.velocity_random_walk)
+    aid = Aid.satellite(inputs.lat, inputs.velocity_std, inputs.position_std, inputs.interval)
+    off, start, ship = None, inputs.prior, vessel(inputs.lat)
+    if inputs.switch_on:
+        off = run_covariance(ship.motion(inputs.switch_on, inputs.step), noise, aid, start)
+        start = off.covariance
+    return off, run_covariance(ship.motion(duration_on, inputs.step, mount()), noise, aid, start)
+
+
+def varied_inputs() -> "DataFrame":
+    """What each unstated input does: one varied at a time, `VARIED`.
+
+    Returns
+    -------
+    DataFrame
+        Index ``input``, ``value``; standard deviations ``heading_0``, ``bias_0``, ``scale_0`` when the mount is
+        switched on, ``..._200`` and ``..._500`` so many seconds later: deg, deg/h and percent, of biases and scale
+        factors the largest of the three gyros.
+    """
+    import pandas as pd
+
+    rows = {}
+    for key, inputs in VARIED.items():
+        _, on = off_then_on(inputs=inputs)
+        rows[key] = {}
+        for t in (0, 200, 500):
+            std = on.std[t]
+            rows[key] |= {
+                f"heading_{t}": std[0] / DEG,
+                f"bias_{t}": std[9:12].max() / DEG_PER_HOUR,
+                f"scale_{t}": std[12:].max() / PERCENT,
+            }
+    table = pd.DataFrame.from_dict(rows, orient="index")
+    table.index = pd.MultiIndex.from_tuples(table.index, names=["input", "value"])
+    return table[sorted(table.columns, key=lambda name: (name.split("_")[0] != "heading", name))]
 
 
 def settling(velocity_stds: tuple[float, ...] = VELOCITY_STD) -> "DataFrame":
