@@ -3,7 +3,8 @@
 Turning a gyro about a level axis takes its input axis through the plane across that axis, and its reading through a
 sine. The mean of it holds the bias beside the Earth rate along the axis, ``cos(heading)``, and cannot be told from it;
 amplitude and phase hold the up component and ``sin(heading)``. So the headings ``K`` and ``pi - K`` of the axis give
-the same readings with other biases: a scan about one level axis leaves both, unless biases are known.
+the same readings with other biases: a scan about one level axis leaves both, unless biases are known
+(`ScanFit.log_odds`). `fogkit.gyrocompass.dwells` makes the readings of a scan from a raw record.
 
 References
 ----------
@@ -12,6 +13,7 @@ References
 """
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,8 +22,12 @@ from fogkit import checks
 from fogkit.constants import EARTH_RATE
 from fogkit.earth import POLE_MARGIN, checked_latitude
 from fogkit.estimation import leastsquares
+from fogkit.estimation.leastsquares import Scale
 from fogkit.estimation.solution import Solution
 from fogkit.gyrocompass.frames import hull_attitude, pyramid_axes
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 Array = NDArray[np.float64]
 
@@ -115,6 +121,35 @@ class ScanFit:
     biases: Array
     solution: Solution
 
+    def log_odds(self, bias_std: float) -> float:
+        """Natural logarithm of the odds of the first heading against the second, if biases are known beforehand.
+
+        Parameters
+        ----------
+        bias_std : float
+            Standard deviation of each gyro's bias about zero, rad/s, large beside that of the means of the scan.
+
+        Returns
+        -------
+        float
+            Half the difference of the sums of squared biases in units of it. Below 2 or so either heading may be right.
+        """
+        bias_std = checks.positive("bias_std", bias_std, "rad/s")
+        squares = (self.biases**2).sum(axis=1)
+        return float(squares[1] - squares[0]) / (2 * bias_std**2)
+
+    def to_frame(self) -> "DataFrame":
+        """Table of scales (readings per rad/s) and biases (rad/s) of the gyros with both headings, index ``gyro``."""
+        import pandas as pd
+
+        columns = {
+            "scale": self.scales,
+            "scale_std": self.scale_std,
+            "bias_first": self.biases[0],
+            "bias_second": self.biases[1],
+        }
+        return pd.DataFrame(columns, index=pd.Index(["x", "y", "z"], name="gyro"))
+
 
 def scan_readings(
     angles: ArrayLike,
@@ -160,7 +195,9 @@ def fit_scan(
     *,
     axes: ArrayLike | None = None,
     time: ArrayLike | None = None,
-    standard_deviation: float | None = None,
+    drift: int = 1,
+    standard_deviation: ArrayLike | None = None,
+    scale: Scale | None = None,
 ) -> ScanFit:
     """Heading of the axis, scale factors and biases from a scan, by least squares.
 
@@ -175,19 +212,26 @@ def fit_scan(
     axes : array_like, shape (3, 3), optional
         As for `scan_readings`.
     time : array_like, shape (n,), optional
-        Times of the readings, s; each gyro's mean then drifts in proportion to it. Without it biases are constant.
-    standard_deviation : float, optional
-        Of a reading; taken from the residuals if not given.
+        Times of the readings, s; the mean of each gyro then drifts as a polynomial of it. Without it biases are
+        constant.
+    drift : int, optional
+        Degree of that polynomial: 1 for a drift in proportion to time, 0 for none.
+    standard_deviation : array_like, shape (), (n,) or (n, 3), optional
+        Of the readings; equal, and taken from the residuals, if not given.
+    scale : {"given", "estimated"}, optional
+        Whether `standard_deviation` is believed, the default if it is given, or only its ratios are: weights w are
+        ``1/sqrt(w)`` with ``"estimated"``.
 
     Returns
     -------
     ScanFit
-        Both headings, scales, biases, and the solution.
+        Both headings, scales, biases (the means over the readings, where there is a drift), and the solution.
 
     Raises
     ------
     ValueError
-        If the positions do not determine the parameters, or the rate across the axis comes out larger than the Earth's.
+        If a shape does not fit, a standard deviation is not positive, the positions do not determine the parameters,
+        or the rate across the axis comes out larger than the Earth's.
     """
     angles = checks.finite_array("angles", angles, shape=(None,))
     readings = checks.finite_array("readings", readings, shape=(len(angles), 3))
@@ -196,13 +240,15 @@ def fit_scan(
     if abs(lat) < POLE_MARGIN:
         raise ValueError(f"`lat` must not be at the equator, where scales are unknown, got {lat:g} rad")
     along, across = _projections(angles, axes)
-    drift = None if time is None else _centred(checks.finite_array("time", time, shape=(len(angles),)))
+    powers = _powers(None if time is None else checks.finite_array("time", time, shape=(len(angles),)), drift, angles)
+    degree = powers.shape[1]
+    if standard_deviation is not None:
+        standard_deviation = _deviations(standard_deviation, readings.shape)
 
     # readings = mean + scale * (up * across_up + level rate across * across_starboard) (+ drift): bilinear
     def model(x):
         rates = across @ np.array([up, x[6] * level])
-        trend = 0.0 if drift is None else drift[:, np.newaxis] * x[7:]
-        return x[:3] + x[3:6] * rates / EARTH_RATE + trend
+        return x[:3] + x[3:6] * rates / EARTH_RATE + powers @ x[7:].reshape(degree, 3)
 
     def jacobian(x):  # of the residuals: shape (n, gyro, parameter), rows of the readings in their order
         J = np.zeros((*readings.shape, len(names)))
@@ -210,18 +256,18 @@ def fit_scan(
         for g in range(3):
             J[:, g, g], J[:, g, 3 + g] = 1.0, rates[:, g]
             J[:, g, 6] = x[3 + g] * across[:, g, 1] * level / EARTH_RATE
-            if drift is not None:
-                J[:, g, 7 + g] = drift
+            J[:, g, 7 + g :: 3] = powers
         return -J.reshape(-1, len(names))
 
     names = [*(f"mean_{g}" for g in "xyz"), *(f"scale_{g}" for g in "xyz"), "sine"]
-    names += [] if drift is None else [f"drift_{g}" for g in "xyz"]
+    names += [f"drift_{g}" if k == 1 else f"drift_{g}_{k}" for k in range(1, degree + 1) for g in "xyz"]
     size = float(np.ptp(readings, axis=0).max()) or 1.0
     solution = leastsquares.nonlinear(
         lambda x: (readings - model(x)).ravel(),
-        _start(readings, across, up, drift),
+        _start(readings, across, up, powers),
         jacobian=jacobian,
         standard_deviation=standard_deviation,
+        scale=scale,
         names=names,
         parameter_scale=[1.0 if name == "sine" else size for name in names],
     )
@@ -254,27 +300,40 @@ def _projections(angles: ArrayLike, axes: ArrayLike | None) -> tuple[Array, Arra
     return axes[0], np.swapaxes(turned[:, 1:, :], -1, -2)
 
 
-def _start(readings: Array, across: Array, up: float, drift: Array | None) -> Array:
+def _start(readings: Array, across: Array, up: float, powers: Array) -> Array:
     """Start of the fit: a line of its own for each gyro, then the level rate that suits all best."""
-    means, products = [], []
+    fits = []
     for g in range(3):
-        columns = [np.ones(len(readings)), across[:, g, 0], across[:, g, 1]] + ([] if drift is None else [drift])
-        fit = np.linalg.lstsq(np.column_stack(columns), readings[:, g])[0]
-        means.append(fit)
-        products.append(fit[1:3])
-    ups, starboards = np.array(products).T
+        columns = [np.ones(len(readings)), across[:, g, 0], across[:, g, 1], *powers.T]
+        fits.append(np.linalg.lstsq(np.column_stack(columns), readings[:, g])[0])
+    means, ups, starboards, *trends = np.array(fits).T
     ratio = ups @ starboards / (ups @ ups)  # level rate across over up rate
     scales = ups / up * EARTH_RATE
     level_over = ratio * up / np.sqrt(EARTH_RATE**2 - up**2)
-    trends = [] if drift is None else [fit[3] for fit in means]
-    return np.array([*[fit[0] for fit in means], *scales, level_over, *trends])
+    return np.array([*means, *scales, level_over, *np.ravel(trends)])
 
 
-def _centred(time: Array) -> Array:
+def _powers(time: Array | None, degree: int, angles: Array) -> Array:
+    """Powers of time without their means, shape (n, degree): of the time from the middle, in half spans."""
+    degree = checks.integer("drift", degree, minimum=0)
+    if time is None or degree == 0:
+        return np.zeros((len(angles), 0))
     span = np.ptp(time)
     if span == 0:
         raise ValueError("`time` must not be the same for all readings: a drift needs a time to be seen in")
-    return (time - time.mean()) / span
+    powers = np.vander(2 * (time - time.mean()) / span, degree + 1, increasing=True)[:, 1:]
+    return powers - powers.mean(axis=0)
+
+
+def _deviations(standard_deviation: ArrayLike, shape: tuple[int, int]) -> Array:
+    """Standard deviations in the order of the residuals."""
+    deviation = checks.finite_array("standard_deviation", standard_deviation)
+    if deviation.shape not in ((), shape[:1], shape):
+        raise ValueError(
+            f"`standard_deviation` must be one number, of shape {shape[:1]} or of {shape}, got {deviation.shape}"
+        )
+    full = deviation[:, np.newaxis] if deviation.ndim == 1 else deviation
+    return np.broadcast_to(full, shape).ravel()
 
 
 def _latitude(lat: float) -> float:
