@@ -8,7 +8,7 @@ from fogkit import claims
 from fogkit.constants import EARTH_RATE
 from fogkit.gyrocompass import error_model, frames, mechanisation, scan
 from fogkit.reproduction import lechang
-from fogkit.reproduction.lechang import kinematics, paper, verdicts
+from fogkit.reproduction.lechang import kinematics, paper, requirement_claims, requirements, verdicts
 from fogkit.units import DEG, MINUTE
 
 ROWS = {claim.id: claim for claim in claims.load("lechang")}
@@ -133,3 +133,17 @@ def test_second_equation_sees_half_the_circle():
 def test_proofs_by_sense_and_axis():
     assert verdicts.sense_of_the_mount() == claims.Proof(printed=False, corrected=True)
     assert verdicts.mount_stands_on_the_normal() == claims.Proof(printed=False, corrected=True)
+
+
+def test_requirements_in_words(monkeypatch):
+    assert_allclose(requirement_claims.gyro_error_allowed(60 * DEG), 15.041 * 0.5 * np.tan(0.3 * DEG), rtol=1e-4)
+    assert requirement_claims.tilts_leave_room() == claims.Proof(printed=False, corrected=True)
+    assert requirement_claims.level_rates_give_heading()
+    assert not requirement_claims.sensors_follow_from_heading()
+    # what a term may be alone, put back into the gyro error of table 3, is that of table 2
+    bias = requirement_claims.alone("bias") * paper.REQUIRED_BIAS
+    assert_allclose(requirements.heading_error(bias, paper.ASSUMED_LATITUDE), paper.HEADING_ACCURACY, rtol=1e-12)
+    monkeypatch.setattr(paper, "GYRO_ERROR_LIMIT", 0.07 * DEG / 3600)
+    assert requirement_claims.sensors_follow_from_heading()
+    monkeypatch.setattr(paper, "LEVEL_ACCURACY", 0.02 * DEG)  # arctan 15: beyond the latitudes that are tried
+    assert requirement_claims.tilts_leave_room().printed

@@ -11,6 +11,7 @@ module             answers
 `derivation`       which equations follow, with which signs?
 `kinematics`       do equations and error model agree with turns and differences?
 `rates`            what do the rates of hull and mount leave of a gyro's range?
+`requirement_claims` x
 `requirements`     from a gyro's error to heading, with the mount off, (17)?
 `simulation`       what do the motions of the simulation let be known, by covariance?
 `filtering`        what do the filters find over many seeds, and which may be believed?
@@ -35,11 +36,13 @@ from fogkit.reproduction.lechang import (
     paper,
     pyramid,
     rates,
+    requirement_claims,
     requirements,
     simulation,
+    simulation_claims,
     verdicts,
 )
-from fogkit.units import DEG, DEG_PER_HOUR, DEG_PER_SECOND, DEG_PER_SQRT_HOUR, PERCENT
+from fogkit.units import ARCSEC, DEG, DEG_PER_HOUR, DEG_PER_SECOND, DEG_PER_SQRT_HOUR, PERCENT
 
 __all__ = [
     "derivation",
@@ -49,8 +52,10 @@ __all__ = [
     "paper",
     "pyramid",
     "rates",
+    "requirement_claims",
     "requirements",
     "simulation",
+    "simulation_claims",
     "values",
     "verdicts",
 ]
@@ -182,6 +187,14 @@ def _requirements() -> dict:
         "table2-heading": paper.HEADING_ACCURACY / DEG,
         "table2-level": paper.LEVEL_ACCURACY / DEG,
         "table2-tilt": paper.LARGEST_TILT / DEG,
+        "eq17-tan": requirement_claims.level_rates_give_heading,
+        "eq17-singular": requirement_claims.headings_of_eq17,
+        "limit-gyro": requirement_claims.gyro_error_allowed,
+        "limit-level": requirement_claims.tilts_leave_room,
+        "table3-bias": lambda: requirement_claims.alone("bias") * paper.REQUIRED_BIAS / DEG_PER_HOUR,
+        "table3-scale": lambda: requirement_claims.alone("scale factor") * paper.REQUIRED_SCALE_FACTOR / PERCENT,
+        "table3-noise": lambda: requirement_claims.alone("noise") * paper.REQUIRED_RANDOM_WALK / DEG_PER_SQRT_HOUR,
+        "conclusion-4": requirement_claims.sensors_follow_from_heading,
     }
 
 
@@ -197,6 +210,18 @@ def _simulation() -> dict:
         "sim-amplitude": paper.MOUNT_AMPLITUDE / DEG,
         "sim-period": paper.MOUNT_PERIOD,
         "sim-duration": simulation.ASSUMED_DURATION,
+        "claim-2": lambda: simulation_claims.all_is_observed_after_200_s() and verdicts.turning_shows_all(),
+        "sim-zero": lambda: _ends_at_zero("heading", paper.HEADING_ACCURACY / DEG),
+        "sim-zero-level": lambda: _ends_at_zero("level", paper.LEVEL_ACCURACY / ARCSEC),
+        "sim-off-heading": simulation_claims.heading_is_hidden_while_off,
+        "sim-off-bias": simulation_claims.biases_are_hidden_while_off,
+        "sim-off-scale": simulation_claims.scale_factors_are_hidden_while_off,
+        "sim-settling": simulation_claims.settling_time,
+        "sim-on": simulation_claims.all_is_observed_after_200_s,
+        "sim-much-smaller": simulation_claims.estimates_are_many_times_better,
+        "sim-fig7-scale": simulation_claims.scale_factor_bound,
+        "conclusion-2": simulation_claims.all_is_observed_after_200_s,
+        "conclusion-5": simulation_claims.algorithm_works,
         **{
             f"table4-{gyro}-{name}": value
             for gyro, bias, scale in gyros
@@ -207,6 +232,11 @@ def _simulation() -> dict:
             )
         },
     }
+
+
+def _ends_at_zero(name: str, accuracy: float) -> bool:
+    """Whether errors over 100 seeds end within a tenth of the accuracy that table 2 asks for."""
+    return simulation_claims.errors_at_the_end()[name] < 0.1 * accuracy
 
 
 def _experiments() -> dict:
