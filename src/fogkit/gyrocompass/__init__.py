@@ -18,6 +18,5 @@ module              answers
 `design_inputs`     which numbers does a design start from?
 `design_noise`      what is left of gyro noise of any colour under a law?
 `design_laws`       which law is the best within what a mount can do?
-`design_runs`       does the filter reach what a design promises?
 ==================  =====================================================================================
 """
