@@ -1,7 +1,7 @@
 """Designs put to the test: runs of the filter on simulated records against what the design function says beforehand.
 
 `DESIGN_RUNS` holds the outcome of ``design_runs(range(100))``, written by
-``python -m fogkit.gyrocompass.design_runs PATH``.
+``python -m fogkit.reproduction.lechang.design_runs PATH``.
 """
 
 import sys
