@@ -9,6 +9,7 @@ module                answers
 `paper`               what does the thesis state in numbers?
 `pyramid`             which Euler sequence do the pyramid's printed angles belong to?
 `derivation`          which equations follow, with which signs?
+`differences`         do the equations agree with differences of the full nonlinear model?
 `kinematics`          do equations and error model agree with turns and differences?
 `verdicts`            do the claims in words on compasses, frames and equations hold?
 `law_claims`          do the claims in words on the law of the mount hold?
@@ -21,6 +22,7 @@ module                answers
 `design_runs`         does the filter reach what a design promises?
 `simulation`          what do the motions of the simulation let be known, by covariance?
 `simulation_runs`     which errors do filters and smoother make over 100 seeds?
+`simulation_claims`   do the claims in words on the simulation hold?
 `filtering`           what do the filters find over many seeds, and which may be believed?
 `scanning`            what can the static scan say, and does drift explain table 6?
 `experiments`         how often does the second experiment meet 30 arcmin?
