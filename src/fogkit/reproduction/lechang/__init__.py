@@ -40,6 +40,7 @@ from fogkit.gyrocompass.error_model import MEASUREMENTS, STATES
 from fogkit.gyrocompass.laws import QuasiHarmonic
 from fogkit.reproduction.lechang import (
     derivation,
+    experiment_verdicts,
     filtering,
     kinematics,
     law_claims,
@@ -52,10 +53,11 @@ from fogkit.reproduction.lechang import (
     simulation_claims,
     verdicts,
 )
-from fogkit.units import ARCSEC, DEG, DEG_PER_HOUR, DEG_PER_SECOND, DEG_PER_SQRT_HOUR, PERCENT
+from fogkit.units import ARCMIN, ARCSEC, DEG, DEG_PER_HOUR, DEG_PER_SECOND, DEG_PER_SQRT_HOUR, MINUTE, PERCENT
 
 __all__ = [
     "derivation",
+    "experiment_verdicts",
     "filtering",
     "kinematics",
     "law_claims",
@@ -258,5 +260,18 @@ def _experiments() -> dict:
         "vg951-range": paper.GYRO_RANGE / DEG_PER_SECOND,
         "exp2-amplitude": paper.EXPERIMENT_AMPLITUDE / DEG,
         "exp2-period": paper.EXPERIMENT_PERIOD,
+        "exp1-method": experiment_verdicts.scan_tells_heading,
+        **{f"fig{14 + k}": (lambda k=k: experiment_verdicts.readings_are_harmonic(k)) for k in range(3)},
+        **{
+            f"table6-{name}": (lambda name=name: experiment_verdicts.scan_of_table_6()[name])
+            for name in ("heading", *(f"{kind}-{gyro}" for kind in ("scale", "bias") for gyro in "xyz"))
+        },
+        "exp2-close": lambda: experiment_verdicts.accuracy() * ARCMIN / DEG,
+        "exp2-time": lambda: experiment_verdicts.time_for_accuracy() / MINUTE,
+        "exp2-accuracy": experiment_verdicts.accuracy,
+        "exp2-contradiction": experiment_verdicts.agreement_shows_accuracy,
+        "exp2-better": experiment_verdicts.accuracy_follows_noise,
+        "exp2-confirms": experiment_verdicts.biases_confirmed,
+        "ch4-further": lambda: not law_claims.latitude_does_not_choose_the_law(),
         "ch4-middle-class": lambda: verdicts.middle_class_of_gyros() < 10,
     }
