@@ -36,8 +36,8 @@ def recording_from_frame(
     Parameters
     ----------
     table : DataFrame
-        Columns `RECORDING_COLUMNS`, equally spaced, the last row with an angle only. Readings of rates become increments
-        by `fogkit.navigation.increments_from_rates`.
+        Columns `RECORDING_COLUMNS`, equally spaced, the last row with an angle only. Readings of rates become
+        increments by `fogkit.navigation.increments_from_rates`.
     gravity : float, optional
         At the place, m/s^2.
     axes : array_like, shape (3, 3), optional

@@ -27,7 +27,7 @@ from fogkit.gyrocompass.filters.wander import WanderRun, run_wander
 from fogkit.gyrocompass.laws import ConstantSpeedReversal, MountLaw, QuasiHarmonic
 from fogkit.gyrocompass.motions import Motion, Vessel
 from fogkit.gyrocompass.mount_calibration import scale_from_mount
-from fogkit.reproduction.lechang import paper
+from fogkit.reproduction.lechang import paper, scanning
 from fogkit.units import ARCMIN, DEG, DEG_PER_HOUR, PERCENT
 
 if TYPE_CHECKING:
@@ -183,6 +183,59 @@ def predicted_std(law: str, sides: int, velocity_std: float, known: str) -> floa
         start = replace(start, scale_factor=SCALE_BY_MOUNT)
     run = run_covariance(motion(law), noise(sides), aid(velocity_std), start)
     return float(run.of("heading")[-1])
+
+
+def known_scale_std(law: str = "harmonic 180") -> NDArray[np.float64]:
+    """Standard deviations of the scale factors after five minutes, with nothing but the data sheet before, (3,)."""
+    run = run_covariance(motion(law), noise(2), aid(0.001), prior("data sheet"))
+    return run.std[-1, 12:]
+
+
+def branch_runs(seeds: Iterable[int], law: str = "harmonic 180") -> NDArray[np.float64]:
+    """Error of heading, rad, where biases are those that go with the other heading of the scan: shape (seeds,).
+
+    The filter holds the biases of a scan read as 58.5 degrees for known to 0.1 deg/h, the stand has 121.5 degrees.
+    """
+    fit = scanning.other_heading()
+    right = int(np.argmin(np.abs(fit.headings - paper.STAND_HEADING)))
+    wrong = fit.biases[right] - fit.biases[1 - right]
+    return np.array([run_of(seed, law, known="scan", wrong_bias=wrong)[1][-1, 0] for seed in seeds])
+
+
+def within(runs: "DataFrame", limit: float = paper.EXPERIMENT_ACCURACY) -> "DataFrame":
+    """How often heading is within a limit (rad), by law, prior, aid and reading of the noise.
+
+    Parameters
+    ----------
+    runs : DataFrame
+        From `accuracy_runs`.
+    limit : float, optional
+        Rad; that of the thesis, 30 arcmin.
+
+    Returns
+    -------
+    DataFrame
+        Index ``law``, ``prior``, ``velocity_std``, ``sides``; share of the runs, its 95 percent interval (Clopper and
+        Pearson) ``low`` and ``high``, root mean square error and mean predicted deviation, arcmin, and the share that
+        a normal error of that deviation would have.
+    """
+    import pandas as pd
+    from scipy.stats import beta, norm
+
+    limit = limit / ARCMIN
+    groups = runs.groupby(["law", "prior", "velocity_std", "sides"])
+    met = groups.error_arcmin.apply(lambda e: (e.abs() <= limit).sum())
+    count, std = groups.size(), groups.std_arcmin.mean()
+    return pd.DataFrame(
+        {
+            "share": met / count,
+            "low": np.where(met > 0, beta.ppf(0.025, np.maximum(met, 0.5), count - met + 1), 0.0),
+            "high": np.where(met < count, beta.ppf(0.975, met + 1, np.maximum(count - met, 0.5)), 1.0),
+            "rms_arcmin": np.sqrt(groups.error_arcmin.apply(lambda e: (e**2).mean())),
+            "std_arcmin": std,
+            "normal": 2 * norm.cdf(limit / std) - 1,
+        }
+    )
 
 
 if __name__ == "__main__":

@@ -105,7 +105,7 @@ def scatter(errors: RandomErrors, dwell: float = DWELL, positions: int = POSITIO
 
 
 def ramps_needed(positions: int = POSITIONS) -> tuple[float, Array, float]:
-    """Linear drifts that make a scan of gyros with the data sheet's scale factors return table 6.
+    """Linear drifts without which no scan of gyros with the data sheet's scale factors returns table 6.
 
     Parameters
     ----------
@@ -123,10 +123,10 @@ def ramps_needed(positions: int = POSITIONS) -> tuple[float, Array, float]:
 
     Notes
     -----
-    What least squares returns is where residuals are orthogonal to all derivatives there. Readings are linear in the
-    drifts and in the sine: four linear equations, for three scale factors and the printed heading.
+    Where least squares ends residuals are orthogonal to all derivatives there. Readings are linear in the drifts and in
+    the sine: four linear equations, for three scale factors and the printed heading. They are necessary: where
+    residuals are large the sum of squares may be less elsewhere.
     """
-    at = angles(positions)
     printed_sine = np.sin(paper.STAND_HEADING)
     D = design(paper.STAND_SCALES, printed_sine, positions)
     ones = np.kron(np.ones((positions, 1)), np.eye(3))
@@ -141,8 +141,7 @@ def ramps_needed(positions: int = POSITIONS) -> tuple[float, Array, float]:
     tested = free(D[:, 3:])
     found = np.linalg.solve(tested.T @ columns, -tested.T @ fixed)
     left = free(fixed + columns @ found)
-    size = np.ptp(figure_readings(at), axis=0).max() / 2
-    return float(found[0]), found[1:], float(np.sqrt(np.mean(left**2)) / size)
+    return float(found[0]), found[1:], float(np.sqrt(np.mean(left**2)) / amplitudes().max())
 
 
 def recording(
@@ -216,3 +215,31 @@ def scans(seeds: ArrayLike, errors: RandomErrors, drift: int = 0, dwell: float =
         rows.append([fit.headings[right] / DEG, *ratio, *fit.biases[right]])
     names = ["heading", *(f"scale_{g}" for g in "xyz"), *(f"bias_{g}" for g in "xyz")]
     return pd.DataFrame(rows, columns=names)
+
+
+def digitiser_error(bits: int, bandwidth: float = 100.0) -> float:
+    """Largest error of a long mean that a digitiser makes, V, its input a steady voltage with noise of the data sheet.
+
+    Parameters
+    ----------
+    bits : int
+        Of a digitiser whose span is the gyro's: data sheet's range times scale factor, either way.
+    bandwidth : float, optional
+        Of the noise, Hz; its density is taken as one-sided, the deviation of a sample as density times square root.
+
+    Returns
+    -------
+    float
+        ``step/pi exp(-2 (pi deviation/step)**2)``, the first harmonic of the sawtooth that noise has smoothed; if noise
+        is much less than a step the sawtooth itself has half a step.
+    """
+    step = 2 * paper.GYRO_RANGE * paper.DATA_SHEET_SCALE / 2**bits
+    deviation = paper.DATA_SHEET_NOISE * np.sqrt(bandwidth)
+    return float(step / np.pi * np.exp(-2 * (np.pi * deviation / step) ** 2))
+
+
+def drift_of_scale(gyro: int) -> float:
+    """Drift of once per scan, its amplitude in rad/s, that would turn the data sheet's scale factor into table 6's."""
+    printed, ours = np.abs(paper.STAND_SCALES[gyro]), paper.DATA_SHEET_SCALE
+    rate = amplitudes()[gyro] / printed  # of the Earth, rad/s
+    return float(abs(printed - ours) / ours * rate)
