@@ -3,30 +3,31 @@
 `values` maps the rows of the ledger to what computes them. The text is a scan with garbled formulas: `derivation` has
 them as restored, beside what follows by derivation.
 
-====================  =====================================================================================
-module                answers
-====================  =====================================================================================
-`paper`               what does the thesis state in numbers?
-`pyramid`             which Euler sequence do the pyramid's printed angles belong to?
-`derivation`          which equations follow, with which signs?
-`differences`         do the equations agree with differences of the full nonlinear model?
-`kinematics`          do equations and error model agree with turns and differences?
-`verdicts`            do the claims in words on compasses, frames and equations hold?
-`law_claims`          do the claims in words on the law of the mount hold?
-`law_study`           what do laws do for heading: mean direction, observability, coloured noise, encoder?
-`law_map`             how does heading accuracy go with amplitude and period, for aids of any accuracy?
-`rates`               what do the rates of hull and mount leave of a gyro's range?
-`requirements`        from a gyro's error to heading, with the mount off, (17)?
-`requirement_claims`  do the claims in words on (17), tables 2 and 3 hold?
-`sensors`             what do the gyros of table 3 give with the mount off and on, and what would do?
-`design_runs`         does the filter reach what a design promises?
-`simulation`          what do the motions of the simulation let be known, by covariance?
-`simulation_runs`     which errors do filters and smoother make over 100 seeds?
-`simulation_claims`   do the claims in words on the simulation hold?
-`filtering`           what do the filters find over many seeds, and which may be believed?
-`scanning`            what can the static scan say, and does drift explain table 6?
-`experiments`         how often does the second experiment meet 30 arcmin?
-====================  =====================================================================================
+=====================  =====================================================================================
+module                 answers
+=====================  =====================================================================================
+`paper`                what does the thesis state in numbers?
+`pyramid`              which Euler sequence do the pyramid's printed angles belong to?
+`derivation`           which equations follow, with which signs?
+`differences`          do the equations agree with differences of the full nonlinear model?
+`kinematics`           do equations and error model agree with turns and differences?
+`verdicts`             do the claims in words on compasses, frames and equations hold?
+`law_claims`           do the claims in words on the law of the mount hold?
+`law_study`            what do laws do for heading: mean direction, observability, coloured noise, encoder?
+`law_map`              how does heading accuracy go with amplitude and period, for aids of any accuracy?
+`rates`                what do the rates of hull and mount leave of a gyro's range?
+`requirements`         from a gyro's error to heading, with the mount off, (17)?
+`requirement_claims`   do the claims in words on (17), tables 2 and 3 hold?
+`sensors`              what do the gyros of table 3 give with the mount off and on, and what would do?
+`design_runs`          does the filter reach what a design promises?
+`simulation`           what do the motions of the simulation let be known, by covariance?
+`simulation_runs`      which errors do filters and smoother make over 100 seeds?
+`simulation_claims`    do the claims in words on the simulation hold?
+`filtering`            what do the filters find over many seeds, and which may be believed?
+`scanning`             what can the static scan say, and does drift explain table 6?
+`experiments`          how often does the second experiment meet 30 arcmin?
+`experiment_verdicts`  do the claims of chapter 4 hold?
+=====================  =====================================================================================
 """
 
 from collections.abc import Callable
