@@ -22,7 +22,7 @@ def cases(number):
         yield C, state, rng.uniform(-1, 1, 3), rng.uniform(-15, 15, 3), rng.uniform(-3, 3), rng.uniform(-0.6, 0.6)
 
 
-def differences(C, state, rates, force, angle, rate, pushed):
+def differences(C, state, rates, force, angle, rate, pushed, yaw):
     """Rate of each error per error, the attitude's from the nonlinear motion of two attitudes."""
 
     # where the vessel does not manoeuvre, the direction of the axis as it is computed turns what tilts do
@@ -33,9 +33,9 @@ def differences(C, state, rates, force, angle, rate, pushed):
         readings = rates * (1 + x[14:]) + x[11:14]
         turned = dcm_from_rotvec(x[:3]) @ C
         hull = mechanisation.hull_rate(readings, angle, rate)
-        turn, rest = wander.wander_rate(turned, state + x[3:11], hull, force, STANDARD_GRAVITY, fixed)
+        turn, rest = wander.wander_rate(turned, state + x[3:11], hull, force, STANDARD_GRAVITY, fixed, yaw)
         hull = mechanisation.hull_rate(rates, angle, rate)
-        still, _ = wander.wander_rate(C, state, hull, force, STANDARD_GRAVITY, fixed)
+        still, _ = wander.wander_rate(C, state, hull, force, STANDARD_GRAVITY, fixed, yaw)
         # C_est = exp(x) C: the rate of exp(x) in w is turn - exp(x) still
         rate_of_error = turn - dcm_from_rotvec(x[:3]) @ still
         return np.array([*rate_of_error, *rest])
@@ -47,12 +47,12 @@ def differences(C, state, rates, force, angle, rate, pushed):
     return np.array(columns).T
 
 
-@pytest.mark.parametrize("pushed", [False, True])
-def test_error_model_against_differences(pushed):
+@pytest.mark.parametrize(("pushed", "yaw"), [(False, 0.0), (False, 0.3), (True, 0.0)])
+def test_error_model_against_differences(pushed, yaw):
     for case in cases(12):
         C, state, rates, force, angle, _ = case
-        F = wander.wander_matrix(C, state, rates, force, angle, STANDARD_GRAVITY, pushed)
-        numeric = differences(*case, pushed)
+        F = wander.wander_matrix(C, state, rates, force, angle, STANDARD_GRAVITY, pushed, yaw)
+        numeric = differences(*case, pushed, yaw)
         assert not F[11:].any()
         for block in (slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 11)):  # each of one unit
             largest = np.abs(numeric[block]).max(axis=0)

@@ -15,6 +15,9 @@ from fogkit.gyrocompass import _kernels as compass
 MANOEUVRE = 5.0
 """Standard deviations of level specific force, by tilts and noise, from which it counts as one of a manoeuvre."""
 
+UNDER_WAY = 5.0
+"""Standard deviations of velocity from which it counts as one that turns with the hull."""
+
 FINISHED, NOT_A_COVARIANCE, BOW_VERTICAL, AT_A_POLE = 0, 1, 2, 3
 
 
@@ -279,11 +282,12 @@ def extended_run(
 
 
 @njit(cache=True, nogil=True)
-def wander_matrix(C, s, force, pushed, rates, mount_angle, axes, radius, weight, F):
+def wander_matrix(C, s, force, pushed, yaw, rates, mount_angle, axes, radius, weight, F):
     """Error model of `fogkit.gyrocompass.filters.wander`: write F, shape (17, 17).
 
     `s` is velocity north, up, east; latitude, longitude, height; the axis 1 and 2 and what the model does not need;
-    `force` is in w, its level part that of the Coriolis force unless `pushed`.
+    `force` is in w; unless the vessel is `pushed` its level part is that of the Coriolis force and of a turn of the
+    velocity with `yaw`, clockwise, rad/s.
     """
     inv, U = 1.0 / radius, EARTH_RATE
     north, up, east = s[0], s[1], s[2]
@@ -312,6 +316,7 @@ def wander_matrix(C, s, force, pushed, rates, mount_angle, axes, radius, weight,
     a1, slope = 2.0 * U * sl + east * tl * inv, 2.0 * U * cl + east * inv / (cl * cl)
     n0 = a1 * east + north * up * inv
     n2 = (2.0 * U * cl + east * inv) * up - a1 * north
+    n0, n2 = n0 - yaw * east, n2 + yaw * north
     F[4, 3], F[4, 5] = 2.0 * north * inv, 2.0 * (U * cl + east * inv)
     F[4, 6] = -2.0 * U * sl * east
     F[4, 8] = 2.0 * weight * inv - (north * north + east * east) * inv * inv
@@ -321,11 +326,11 @@ def wander_matrix(C, s, force, pushed, rates, mount_angle, axes, radius, weight,
         m0, m2 = unit(e0, e2)
     for column in (3, 4, 5, 6, 8):
         if column == 3:
-            b0, b2 = up * inv, -a1
+            b0, b2 = up * inv, yaw - a1
         elif column == 4:
             b0, b2 = north * inv, 2.0 * U * cl + east * inv
         elif column == 5:
-            b0, b2 = a1 + east * tl * inv, (up - north * tl) * inv
+            b0, b2 = a1 + east * tl * inv - yaw, (up - north * tl) * inv
         elif column == 6:
             b0, b2 = slope * east + n0 * tl, -2.0 * U * sl * up - slope * north + n2 * tl
         else:
@@ -334,6 +339,8 @@ def wander_matrix(C, s, force, pushed, rates, mount_angle, axes, radius, weight,
         c0, c2 = b0 * e0 - b2 * e2, b0 * e2 + b2 * e0
         F[3, column] = -(m0 * c0 + m2 * c2)
         F[5, column] = m2 * c0 - m0 * c2
+    F[3, 5] -= yaw
+    F[5, 3] += yaw
     F[3, 9], F[3, 10] = -(m0 * n0 + m2 * n2) / cl, (m0 * n2 - m2 * n0) / cl
     F[5, 9], F[5, 10] = -F[3, 10], F[3, 9]
     F[3, 0], F[3, 1], F[3, 2] = m2 * force[1], m0 * force[2] - m2 * force[0], -m0 * force[1]
@@ -354,6 +361,22 @@ def wander_matrix(C, s, force, pushed, rates, mount_angle, axes, radius, weight,
         for i in range(3):
             F[i, 11 + j] = C[i, 0] * x + C[i, 1] * y + C[i, 2] * z
             F[i, 14 + j] = F[i, 11 + j] * rates[j]
+
+
+@njit(cache=True, nogil=True)
+def turn_rate(C, hull, frame, up, dt):
+    """Rate of heading, clockwise, by (6) of the thesis; 0 with the bow near the vertical, where it has none.
+
+    `hull` is the turn in a step, `frame` the rate of w and `up` the rate about up of north and east.
+    """
+    square = 1.0 - C[1, 0] * C[1, 0]
+    if square < 0.01:
+        return 0.0
+    rate = 0.0
+    for i in range(1, 3):
+        own = hull[i] / dt - (C[0, i] * frame[0] + C[1, i] * up + C[2, i] * frame[2])
+        rate -= own * C[1, i] / square
+    return rate
 
 
 @njit(cache=True, nogil=True)
@@ -466,21 +489,30 @@ def wander_run(
         for i in range(3):
             rates[i] /= dt
             before[i, :] = C[i, :]
+        yaw = 0.0
+        if north * north + east * east > UNDER_WAY * UNDER_WAY * (P[3, 3] + P[5, 5]):
+            yaw = turn_rate(C, hull, frame, frame[1] + east * sl / cl / radius, dt)
         angle = 0.5 * (mount[step] + mount[step + 1])
         advance(C, hull, dv[step], frame, dt, force, scratch)
         a1 = 2.0 * EARTH_RATE * sl + east * sl / cl / radius
         c0 = a1 * east + north * up / radius
         c2 = (2.0 * EARTH_RATE * cl + east / radius) * up - a1 * north
+        c0, c2 = c0 - yaw * east, c2 + yaw * north
         f0, f2 = force[0] - (c0 * e0 - c2 * e2), force[2] - (c0 * e2 + c2 * e0)
         rise = force[1] - weight + (north * north + east * east) / radius + 2.0 * EARTH_RATE * cl * east
-        # a force that tilts and noise explain is theirs: taken for one of a manoeuvre it would be knowledge of north
+        # a force that tilts, noise and the turn of the Coriolis force explain is theirs: taken for one of a manoeuvre
+        # it would be knowledge of north
         noise = weight * weight * (P[0, 0] + P[2, 2]) + 2.0 * force_density / dt
+        noise += (c0 * c0 + c2 * c2) * (P[9, 9] + P[10, 10]) / (cl * cl)
         pushed = f0 * f0 + f2 * f2 > MANOEUVRE * MANOEUVRE * noise
         m0, m2 = e0, e2
+        if pushed and yaw != 0.0:  # another manoeuvre than a turn
+            f0, f2 = f0 - yaw * (east * e0 + north * e2), f2 - yaw * (east * e2 - north * e0)
+            yaw = 0.0
         if not pushed:
             m0, m2 = unit(e0, e2)
             force[0], force[1], force[2] = force[0] - f0, weight, force[2] - f2
-        wander_matrix(before, s, force, pushed, rates, angle, axes, radius, weight, F)
+        wander_matrix(before, s, force, pushed, yaw, rates, angle, axes, radius, weight, F)
         propagate(P, F, dt, moving, Phi, T, N)
         for i in range(3):
             for j in range(3):
@@ -499,9 +531,9 @@ def wander_run(
                     if f != 0.0:
                         for j in range(17):
                             total[i, j] += f * (old[k, j] if k < moving else (1.0 if k == j else 0.0))
-        s[0] += dt * (m0 * f0 + m2 * f2)
+        s[0] += dt * (m0 * f0 + m2 * f2 - yaw * east)
         s[1] += dt * rise
-        s[2] += dt * (m0 * f2 - m2 * f0)
+        s[2] += dt * (m0 * f2 - m2 * f0 + yaw * north)
         north, east = 0.5 * (north + s[0]), 0.5 * (east + s[2])
         s[3] += north / radius * dt
         s[4] += east / (cl * radius) * dt

@@ -8,11 +8,13 @@ heading is, the filter makes no error of second order in it.
 Velocity is kept north, up, east, as the aid has it, so that a measurement knows nothing of the axis. The level specific
 force in w makes velocity through the axis, ``R^T (f - R c)``, with ``R`` the turn from north and east to w by the
 axis and ``c`` the Coriolis force. At constant velocity the bracket is zero but for tilts, and any turn will do in the
-place of ``R^T``: the best estimate is taken, and the model stays linear. In a manoeuvre, when the force is larger than
-tilts and noise explain, the error of the turn counts, and is linear in the axis again. A filter that keeps velocity in
-w instead must turn the aid's velocity with its noise by the axis: where noise times the error of heading is more
-than the mean of the aid is uncertain, it becomes too sure of heading (module `fogkit.reproduction.lechang.latitudes`
-has the numbers of one).
+place of ``R^T``: the best estimate is taken, and the model stays linear. In a turn the velocity is taken to turn with
+the hull, whose rate the gyros know, and ``c`` has the acceleration of that as well. In another manoeuvre, when the
+force is larger than tilts and noise explain, the measured force is turned by the error of the axis.
+
+Two ways that look simpler fail. With velocity kept in w the aid's velocity must be turned by the axis, and its noise
+with it: of what the aid is wrong by, times the error of heading, the filter knows nothing. And a measured force that is
+always turned by the error of the axis has tilts in it, times the error of heading again.
 
 The attitude of the hull against w is a matrix, which no trim makes singular. An uncertain heading with standard
 deviation ``s`` begins as the mean ``exp(-s**2/2)`` and the variances ``(1 - exp(-s**2))**2/2``,
@@ -274,6 +276,7 @@ def wander_matrix(
     mount_angle: float,
     gravity: float,
     pushed: bool = False,
+    yaw: float = 0.0,
 ) -> Array:
     """Matrix F of the linear model of the errors `WANDER_STATES`.
 
@@ -290,7 +293,9 @@ def wander_matrix(
     mount_angle, gravity : float
         rad; on the sphere, m/s^2.
     pushed : bool, optional
-        Whether the vessel manoeuvres.
+        Whether the vessel manoeuvres in another way than by turning.
+    yaw : float, optional
+        Rate of its turning, clockwise, rad/s.
 
     Returns
     -------
@@ -302,7 +307,7 @@ def wander_matrix(
     weight = checks.positive("gravity", gravity, "m/s^2") * (EARTH_RADIUS / radius) ** 2
     rates = checks.finite_array("rates", rates, shape=(3,))
     force = C @ checks.finite_array("specific_force", specific_force, shape=(3,))
-    _kernels.wander_matrix(C, s, force, pushed, rates, mount_angle, pyramid_axes(), radius, weight, F)
+    _kernels.wander_matrix(C, s, force, pushed, yaw, rates, mount_angle, pyramid_axes(), radius, weight, F)
     return F
 
 
@@ -313,12 +318,13 @@ def wander_rate(
     specific_force: ArrayLike,
     gravity: float,
     turn: ArrayLike | None = None,
+    yaw: float = 0.0,
 ) -> tuple[Array, Array]:
     """Rate of turn of the hull against w, in w, shape (3,), and rates of velocity, position and axis, shape (8,).
 
     What `wander_matrix` is the derivative of. Arguments as there, the rate of the hull, rad/s, and the specific force,
     m/s^2. `turn`, shape (2, 2), is what takes north and east to w in the place of the turn by the axis, where the
-    vessel does not manoeuvre.
+    vessel does not manoeuvre but by turning with `yaw`, rad/s.
     """
     C, s = checks.rotation_matrix("C_h_w", C_h_w), checks.finite_array("state", state)
     (north, up, east), lat, radius, R = s[:3], s[3], EARTH_RADIUS + s[5], _axis_turn(s)
@@ -326,8 +332,9 @@ def wander_rate(
     transport, axis = np.array([v_2, 0.0, -v_1]) / radius, np.array([s[6], np.sin(lat), s[7]])
     frame = EARTH_RATE * axis + transport
     force, coriolis = C @ specific_force, _coriolis(s)
-    level = force[[0, 2]] - R @ coriolis[[0, 2]]
-    dv_n, dv_e = (R if turn is None else np.asarray(turn)).T @ level
+    turning = yaw * np.array([-east, north])
+    level = force[[0, 2]] - R @ (coriolis[[0, 2]] + turning)
+    dv_n, dv_e = (R if turn is None else np.asarray(turn)).T @ level + turning
     dv_u = force[1] - gravity * (EARTH_RADIUS / radius) ** 2 - coriolis[1]
     position = [north / radius, east / (radius * np.cos(lat)), up]
     rest = np.array([dv_n, dv_u, dv_e, *position, *-np.cross(transport, axis)[[0, 2]]])

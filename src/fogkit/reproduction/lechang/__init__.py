@@ -3,6 +3,26 @@
 The text is a scan with garbled formulas: `derivation` has them as restored, beside what follows by derivation.
 """
 
-from fogkit.reproduction.lechang import derivation, filtering, paper, pyramid, rates, requirements, simulation
+from fogkit.reproduction.lechang import (
+    derivation,
+    filtering,
+    latitudes,
+    manoeuvres,
+    paper,
+    pyramid,
+    rates,
+    requirements,
+    simulation,
+)
 
-__all__ = ["derivation", "filtering", "paper", "pyramid", "rates", "requirements", "simulation"]
+__all__ = [
+    "derivation",
+    "filtering",
+    "latitudes",
+    "manoeuvres",
+    "paper",
+    "pyramid",
+    "rates",
+    "requirements",
+    "simulation",
+]
