@@ -19,9 +19,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fogkit import checks
+from fogkit.earth import POLE_MARGIN, checked_latitude
 from fogkit.gyrocompass import _kernels
 from fogkit.gyrocompass.error_model import STATES
-from fogkit.gyrocompass.mechanisation import EARTH_RADIUS
+from fogkit.gyrocompass.mechanisation import EARTH_RADIUS, checked_trim
 from fogkit.gyrocompass.motions import Motion
 from fogkit.units import DEG, DEG_PER_HOUR, PERCENT
 
@@ -77,6 +78,7 @@ class Prior:
                 UserWarning,
                 stacklevel=3,
             )
+        lat = float(checked_latitude(checks.finite("lat", lat, "rad"), pole_margin=POLE_MARGIN))
         north = self.position / EARTH_RADIUS
         std = [self.heading, *[self.level] * 2, *[self.velocity] * 3, north, north / np.cos(lat), self.height]
         return np.diag(np.square([*std, *[self.bias] * 3, *[self.scale_factor] * 3]))
@@ -146,6 +148,8 @@ class Aid:
 
         [1]_ does not state the accuracy of its aid; the defaults are assumed.
         """
+        lat = float(checked_latitude(checks.finite("lat", lat, "rad"), pole_margin=POLE_MARGIN))
+        velocity = checks.positive("velocity", velocity, "m/s")
         north = checks.positive("position", position, "m") / EARTH_RADIUS
         std = dict.fromkeys(("velocity_north", "velocity_up", "velocity_east"), velocity)
         return cls(std={**std, "lat": north, "lon": north / np.cos(lat), "alt": position}, interval=interval)
@@ -211,11 +215,25 @@ def run_covariance(
     Raises
     ------
     ValueError
-        If a time is no multiple of the motion's step, or the covariance is not symmetric and positive semi-definite.
+        If a time is no multiple of the motion's step, trim is vertical or latitude at a pole on the way, or the
+        covariance is not symmetric and positive semi-definite.
+
+    Warns
+    -----
+    UserWarning
+        If the aid measures at the start only.
     """
     dt = checks.instance("motion", motion, Motion).dt
     every = multiple("aid.interval", checks.instance("aid", aid, Aid).interval, dt)
     keep = multiple("output_interval", checks.positive("output_interval", output_interval, "s"), dt)
+    if every >= len(motion.time):
+        warnings.warn(
+            f"`aid` measures every {aid.interval:g} s, once in a motion of {motion.time[-1]:g} s: errors grow freely",
+            UserWarning,
+            stacklevel=2,
+        )
+    checked_trim(motion.states[:, 1])
+    checked_latitude(motion.states[:, 6], pole_margin=POLE_MARGIN)
     prior = Prior() if prior is None else prior
     P = prior.covariance(motion.states[0, 6]) if isinstance(prior, Prior) else checked_covariance("prior", prior)
     aided = np.array([STATES.index(name) for name in aid.std])

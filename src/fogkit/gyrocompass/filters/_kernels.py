@@ -12,11 +12,11 @@ from numba import njit
 from fogkit.constants import EARTH_RATE
 from fogkit.gyrocompass import _kernels as compass
 
-NEW_WAY = 5.0
-"""Standard deviations of the aid's velocity by which it must change to be taken for a new one."""
+MANOEUVRE = 5.0
+"""Standard deviations of level specific force, by tilts and noise, from which it counts as one of a manoeuvre."""
 
-MANOEUVRE = 0.1
-"""Level specific force, m/s^2, from which it counts as one of a manoeuvre: that of a tilt of 0.6 degrees."""
+UNDER_WAY = 5.0
+"""Standard deviations of velocity from which it counts as one that turns with the hull."""
 
 FINISHED, NOT_A_COVARIANCE, BOW_VERTICAL, AT_A_POLE = 0, 1, 2, 3
 
@@ -59,8 +59,8 @@ def hull_turn(dtheta, bias, scale, before, after, axes, dt, compensated, hull):
 
 
 @njit(cache=True, nogil=True)
-def advance(C, v, hull, dv, frame, coriolis, weight, dt, force, scratch):
-    """Attitude and velocity over a step; `frame` is the rate of the frame, `coriolis` that with the Earth's once more.
+def advance(C, hull, dv, frame, dt, force, scratch):
+    """Attitude over a step, in a frame that turns with the rate `frame`.
 
     `force`, the mean specific force in the frame, is written. The specific force is taken at the middle of the turn.
     """
@@ -74,12 +74,6 @@ def advance(C, v, hull, dv, frame, coriolis, weight, dt, force, scratch):
     force[2] = scratch[2] - half * (frame[0] * scratch[1] - frame[1] * scratch[0])
     for i in range(3):
         scratch[i] = -frame[i] * dt
-    a0 = force[0] - (coriolis[1] * v[2] - coriolis[2] * v[1])
-    a1 = force[1] - (coriolis[2] * v[0] - coriolis[0] * v[2]) - weight
-    a2 = force[2] - (coriolis[0] * v[1] - coriolis[1] * v[0])
-    v[0] += a0 * dt
-    v[1] += a1 * dt
-    v[2] += a2 * dt
     turn(C, hull, False)
     turn(C, scratch, True)
 
@@ -259,7 +253,10 @@ def extended_run(
         coriolis[0], coriolis[1] = frame[0] + EARTH_RATE * cl, frame[1] + EARTH_RATE * sl
         coriolis[2] = frame[2]
         north, up, east = s[0], s[1], s[2]
-        advance(C, s[0:3], hull, dv[step], frame, coriolis, weight, dt, force, scratch)
+        advance(C, hull, dv[step], frame, dt, force, scratch)
+        s[0] += dt * (force[0] - coriolis[1] * east + coriolis[2] * up)
+        s[1] += dt * (force[1] - coriolis[2] * north + coriolis[0] * east - weight)
+        s[2] += dt * (force[2] - coriolis[0] * up + coriolis[1] * north)
         angles_of(C, after)
         for i in range(3):  # the middle of the step
             way = after[i] - angles[i]
@@ -285,50 +282,77 @@ def extended_run(
 
 
 @njit(cache=True, nogil=True)
-def wander_matrix(C, s, way, force, rates, mount_angle, axes, radius, weight, F):
+def wander_matrix(C, s, force, pushed, yaw, rates, mount_angle, axes, radius, weight, F):
     """Error model of `fogkit.gyrocompass.filters.wander`: write F, shape (17, 17).
 
-    `s` is velocity 1, up, 2; latitude, longitude, height; the axis 1 and 2 and what the model does not need.
+    `s` is velocity north, up, east; latitude, longitude, height; the axis 1 and 2 and what the model does not need;
+    `force` is in w; unless the vessel is `pushed` its level part is that of the Coriolis force and of a turn of the
+    velocity with `yaw`, clockwise, rad/s.
     """
     inv, U = 1.0 / radius, EARTH_RATE
-    v0, vu, v2 = s[0], s[1], s[2]
-    e0, e2 = s[6], s[7]
+    north, up, east = s[0], s[1], s[2]
     sl, cl = math.sin(s[3]), math.cos(s[3])
-    w0, w1, w2 = U * e0 + v2 * inv, U * sl, U * e2 - v0 * inv
+    e0, e2, tl = s[6] / cl, s[7] / cl, sl / cl
+    v0, v2 = north * e0 - east * e2, north * e2 + east * e0
+    w0, w1, w2 = U * s[6] + v2 * inv, U * sl, U * s[7] - v0 * inv
     F[:, :] = 0.0
     F[0, 1], F[0, 2] = w2, -w1
     F[1, 0], F[1, 2] = -w2, w0
     F[2, 0], F[2, 1] = w1, -w0
-    F[0, 5], F[0, 8], F[0, 9] = -inv, v2 * inv * inv, -U
+    F[0, 3], F[0, 5], F[0, 6], F[0, 8] = -e2 * inv, -e0 * inv, -v2 * tl * inv, v2 * inv * inv
+    F[2, 3], F[2, 5], F[2, 6], F[2, 8] = e0 * inv, -e2 * inv, v0 * tl * inv, -v0 * inv * inv
+    F[0, 9], F[0, 10] = -U - east / cl * inv, -north / cl * inv
     F[1, 6] = -U * cl
-    F[2, 3], F[2, 8], F[2, 10] = inv, -v0 * inv * inv, -U
-
-    a0, a1, a2 = w0 + U * e0, w1 + U * sl, w2 + U * e2
-    F[3, 1], F[3, 2] = force[2], -force[1]
-    F[4, 0], F[4, 2] = -force[2], force[0]
-    F[5, 0], F[5, 1] = force[1], -force[0]
-    F[3, 3], F[3, 4], F[3, 5] = -vu * inv, a2, -a1
-    F[4, 3], F[4, 5] = -a2 + v0 * inv, a0 + v2 * inv
-    F[5, 3], F[5, 4], F[5, 5] = a1, -a0, -vu * inv
-    F[3, 6], F[3, 8], F[3, 10] = -2.0 * U * cl * v2, v0 * vu * inv * inv, 2.0 * U * vu
-    F[4, 8] = 2.0 * weight * inv - (v0 * v0 + v2 * v2) * inv * inv
-    F[4, 9], F[4, 10] = 2.0 * U * v2, -2.0 * U * v0
-    F[5, 6], F[5, 8], F[5, 9] = 2.0 * U * cl * v0, v2 * vu * inv * inv, -2.0 * U * vu
-
-    # north and east: the aid's velocity `way`, and what the computed one differs from it by
-    wn, we, tl, square = way[0], way[1], sl / cl, e0 * e0 + e2 * e2
-    dot, cross = e0 * v0 + e2 * v2, e0 * v2 - e2 * v0
-    north, east = wn + (dot - square * wn / cl) / cl, we + (cross - square * we / cl) / cl
-    F[6, 3], F[6, 5], F[6, 8] = e0 / cl * inv, e2 / cl * inv, -north * inv * inv
-    F[6, 6] = tl * (dot - 2.0 * square * wn / cl) / cl * inv
-    F[6, 9], F[6, 10] = (v0 - 2.0 * e0 * wn / cl) / cl * inv, (v2 - 2.0 * e2 * wn / cl) / cl * inv
-    per = inv / (cl * cl)
-    F[7, 3], F[7, 5], F[7, 8] = -e2 * per, e0 * per, -east * inv * inv / cl
-    F[7, 6] = tl * (east + (cross - 2.0 * square * we / cl) / cl) / cl * inv
-    F[7, 9], F[7, 10] = (v2 - 2.0 * e0 * we / cl) * per, (-v0 - 2.0 * e2 * we / cl) * per
+    F[2, 9], F[2, 10] = north / cl * inv, -U - east / cl * inv
+    F[6, 3], F[6, 8] = inv, -north * inv * inv
+    F[7, 5], F[7, 6], F[7, 8] = inv / cl, east * tl * inv / cl, -east * inv * inv / cl
     F[8, 4] = 1.0
-    F[9, 3], F[9, 6], F[9, 8] = -sl * inv, -cl * v0 * inv, sl * v0 * inv * inv
-    F[10, 5], F[10, 6], F[10, 8] = -sl * inv, -cl * v2 * inv, sl * v2 * inv * inv
+    F[9, 3], F[9, 5], F[9, 6], F[9, 8] = -e0 * sl * inv, e2 * sl * inv, -v0 * inv / cl, v0 * sl * inv * inv
+    F[9, 9], F[9, 10] = -north * tl * inv, east * tl * inv
+    F[10, 3], F[10, 5], F[10, 6], F[10, 8] = -e2 * sl * inv, -e0 * sl * inv, -v2 * inv / cl, v2 * sl * inv * inv
+    F[10, 9], F[10, 10] = -east * tl * inv, -north * tl * inv
+
+    # Coriolis force, north, up, east, and its derivatives; east * tl / R is the turn of the meridian
+    a1, slope = 2.0 * U * sl + east * tl * inv, 2.0 * U * cl + east * inv / (cl * cl)
+    n0 = a1 * east + north * up * inv
+    n2 = (2.0 * U * cl + east * inv) * up - a1 * north
+    n0, n2 = n0 - yaw * east, n2 + yaw * north
+    F[4, 3], F[4, 5] = 2.0 * north * inv, 2.0 * (U * cl + east * inv)
+    F[4, 6] = -2.0 * U * sl * east
+    F[4, 8] = 2.0 * weight * inv - (north * north + east * east) * inv * inv
+    F[4, 0], F[4, 2] = -force[2], force[0]
+    m0, m2 = e0, e2
+    if not pushed:
+        m0, m2 = unit(e0, e2)
+    for column in (3, 4, 5, 6, 8):
+        if column == 3:
+            b0, b2 = up * inv, yaw - a1
+        elif column == 4:
+            b0, b2 = north * inv, 2.0 * U * cl + east * inv
+        elif column == 5:
+            b0, b2 = a1 + east * tl * inv - yaw, (up - north * tl) * inv
+        elif column == 6:
+            b0, b2 = slope * east + n0 * tl, -2.0 * U * sl * up - slope * north + n2 * tl
+        else:
+            b0 = -(east * east * tl + north * up) * inv * inv
+            b2 = -(east * up - east * north * tl) * inv * inv
+        c0, c2 = b0 * e0 - b2 * e2, b0 * e2 + b2 * e0
+        F[3, column] = -(m0 * c0 + m2 * c2)
+        F[5, column] = m2 * c0 - m0 * c2
+    F[3, 5] -= yaw
+    F[5, 3] += yaw
+    F[3, 9], F[3, 10] = -(m0 * n0 + m2 * n2) / cl, (m0 * n2 - m2 * n0) / cl
+    F[5, 9], F[5, 10] = -F[3, 10], F[3, 9]
+    F[3, 0], F[3, 1], F[3, 2] = m2 * force[1], m0 * force[2] - m2 * force[0], -m0 * force[1]
+    F[5, 0], F[5, 1], F[5, 2] = m0 * force[1], -m2 * force[2] - m0 * force[0], m2 * force[1]
+    if pushed:
+        q0, q2 = force[0] - n0 * e0 + n2 * e2, force[2] - n0 * e2 - n2 * e0
+        F[3, 6] += tl * (m0 * q0 + m2 * q2)
+        F[5, 6] += tl * (m0 * q2 - m2 * q0)
+        F[3, 9] += q0 / cl
+        F[3, 10] += q2 / cl
+        F[5, 9] += q2 / cl
+        F[5, 10] -= q0 / cl
 
     cb, sb = math.cos(mount_angle), math.sin(mount_angle)
     for j in range(3):
@@ -340,32 +364,41 @@ def wander_matrix(C, s, way, force, rates, mount_angle, axes, radius, weight, F)
 
 
 @njit(cache=True, nogil=True)
-def wander_fix(P, x, s, fix, variances, way, h, K, M):
-    """Corrections x by one measurement of what is not NaN in `fix`. Return the sum of squares of innovations, or -1.
+def turn_rate(C, hull, frame, up, dt):
+    """Rate of heading, clockwise, by (6) of the thesis; 0 with the bow near the vertical, where it has none.
 
-    `way`, shape (2,), is the velocity north and east that errors of the axis turn. It follows the aid in steps:
-    taken from each measurement, its noise would draw the axis towards zero.
+    `hull` is the turn in a step, `frame` the rate of w and `up` the rate about up of north and east.
     """
-    total, cl = 0.0, math.cos(s[3])
-    if not math.isnan(fix[0]):
-        change = (fix[0] - way[0]) ** 2 + (fix[2] - way[1]) ** 2
-        if change > NEW_WAY * NEW_WAY * variances[0]:
-            way[0], way[1] = fix[0], fix[2]
+    square = 1.0 - C[1, 0] * C[1, 0]
+    if square < 0.01:
+        return 0.0
+    rate = 0.0
+    for i in range(1, 3):
+        own = hull[i] / dt - (C[0, i] * frame[0] + C[1, i] * up + C[2, i] * frame[2])
+        rate -= own * C[1, i] / square
+    return rate
+
+
+@njit(cache=True, nogil=True)
+def unit(x, y):
+    """Direction of a vector of two; the first axis if it has none."""
+    length = math.sqrt(x * x + y * y)
+    if length < 1e-12:
+        return 1.0, 0.0
+    return x / length, y / length
+
+
+@njit(cache=True, nogil=True)
+def wander_fix(P, x, s, fix, variances, h, K, M):
+    """Corrections x by one measurement of what is not NaN in `fix`. Return the sum of squares of innovations, or -1."""
+    total = 0.0
     for k in range(6):
         if math.isnan(fix[k]):
             continue
         h[:] = 0.0
         h[3 + k] = 1.0
-        # level velocities of the aid are taken into the frame by the axis: linear in it, however wrong it is
-        if k == 0:
-            z, h[9], h[10] = s[0] - (fix[0] * s[6] - fix[2] * s[7]) / cl, -way[0] / cl, way[1] / cl
-        elif k == 2:
-            z, h[9], h[10] = s[2] - (fix[0] * s[7] + fix[2] * s[6]) / cl, -way[1] / cl, -way[0] / cl
-        else:
-            z = s[k] - fix[k]
-        innovation = z
-        for i in range(17):
-            innovation -= h[i] * x[i]
+        z = s[k] - fix[k]
+        innovation = z - x[3 + k]
         S = joseph(P, x, h, z, variances[k], K, M)
         if not S > 0.0:
             return -1.0
@@ -378,7 +411,6 @@ def wander_run(
     P,  # covariance at the start, shape (17, 17); that at the end on return
     C,  # C_h_w at the start, shape (3, 3); in place
     s,  # velocity, lat, lon, alt, axis 1, axis 2, biases, scale factors: shape (14,); in place
-    way,  # velocity north and east at the start, shape (2,); in place
     dtheta,
     dv,
     mount,
@@ -408,8 +440,8 @@ def wander_run(
     F, M, h, K, x = np.empty((17, 17)), np.empty((17, 17)), np.zeros(17), np.empty(17), np.zeros(17)
     Phi, T, N = np.empty((moving, 17)), np.empty((moving, 17)), np.empty((17, moving))
     total, old = np.eye(17), np.empty((moving, 17))
-    rates, hull, frame, coriolis = np.empty(3), np.empty(3), np.zeros(3), np.zeros(3)
-    force, scratch, pushed, model = np.zeros(3), np.empty(3), np.zeros(3), np.zeros(8)
+    rates, hull, frame = np.empty(3), np.empty(3), np.zeros(3)
+    force, scratch, before = np.zeros(3), np.empty(3), np.empty((3, 3))
     fix = 0
     for step in range(n + 1):
         if smooth and step % keep == 0 and step > 0:
@@ -420,7 +452,7 @@ def wander_run(
                 total[i, i] = 1.0
         while fix < fix_steps.shape[0] and fix_steps[fix] == step:
             x[:] = 0.0
-            nis[fix] = wander_fix(P, x, s, fixes[fix], variances, way, h, K, M)
+            nis[fix] = wander_fix(P, x, s, fixes[fix], variances, h, K, M)
             if nis[fix] < 0.0:
                 return NOT_A_COVARIANCE, step
             for i in range(3):
@@ -448,24 +480,39 @@ def wander_run(
         radius = earth_radius + s[5]
         weight = gravity * (earth_radius / radius) ** 2
         hull_turn(dtheta[step], s[8:11], s[11:14], mount[step], mount[step + 1], axes, dt, rates, hull)
+        north, up, east = s[0], s[1], s[2]
         sl, cl = math.sin(s[3]), math.cos(s[3])
-        frame[0], frame[1] = EARTH_RATE * s[6] + s[2] / radius, EARTH_RATE * sl
-        frame[2] = EARTH_RATE * s[7] - s[0] / radius
-        coriolis[0], coriolis[1] = frame[0] + EARTH_RATE * s[6], 2.0 * frame[1]
-        coriolis[2] = frame[2] + EARTH_RATE * s[7]
-        v0, vu, v2 = s[0], s[1], s[2]
+        e0, e2 = s[6] / cl, s[7] / cl
+        v0, v2 = north * e0 - east * e2, north * e2 + east * e0
+        frame[0], frame[1] = EARTH_RATE * s[6] + v2 / radius, EARTH_RATE * sl
+        frame[2] = EARTH_RATE * s[7] - v0 / radius
         for i in range(3):
             rates[i] /= dt
+            before[i, :] = C[i, :]
+        yaw = 0.0
+        if north * north + east * east > UNDER_WAY * UNDER_WAY * (P[3, 3] + P[5, 5]):
+            yaw = turn_rate(C, hull, frame, frame[1] + east * sl / cl / radius, dt)
         angle = 0.5 * (mount[step] + mount[step + 1])
-        # the velocity that errors turn, not the estimate: its noise would be taken for knowledge of the axis
-        model[0], model[2] = (way[0] * s[6] - way[1] * s[7]) / cl, (way[0] * s[7] + way[1] * s[6]) / cl
-        model[3:] = s[3:8]
-        # nor the specific force where it is that of the tilts: its noise would be taken for knowledge of azimuth
-        for i in range(3):
-            pushed[i] = (C[i, 0] * dv[step, 0] + C[i, 1] * dv[step, 1] + C[i, 2] * dv[step, 2]) / dt
-        if pushed[0] * pushed[0] + pushed[2] * pushed[2] < MANOEUVRE * MANOEUVRE:
-            pushed[0], pushed[1], pushed[2] = 0.0, weight, 0.0
-        wander_matrix(C, model, way, pushed, rates, angle, axes, radius, weight, F)
+        advance(C, hull, dv[step], frame, dt, force, scratch)
+        a1 = 2.0 * EARTH_RATE * sl + east * sl / cl / radius
+        c0 = a1 * east + north * up / radius
+        c2 = (2.0 * EARTH_RATE * cl + east / radius) * up - a1 * north
+        c0, c2 = c0 - yaw * east, c2 + yaw * north
+        f0, f2 = force[0] - (c0 * e0 - c2 * e2), force[2] - (c0 * e2 + c2 * e0)
+        rise = force[1] - weight + (north * north + east * east) / radius + 2.0 * EARTH_RATE * cl * east
+        # a force that tilts, noise and the turn of the Coriolis force explain is theirs: taken for one of a manoeuvre
+        # it would be knowledge of north
+        noise = weight * weight * (P[0, 0] + P[2, 2]) + 2.0 * force_density / dt
+        noise += (c0 * c0 + c2 * c2) * (P[9, 9] + P[10, 10]) / (cl * cl)
+        pushed = f0 * f0 + f2 * f2 > MANOEUVRE * MANOEUVRE * noise
+        m0, m2 = e0, e2
+        if pushed and yaw != 0.0:  # another manoeuvre than a turn
+            f0, f2 = f0 - yaw * (east * e0 + north * e2), f2 - yaw * (east * e2 - north * e0)
+            yaw = 0.0
+        if not pushed:
+            m0, m2 = unit(e0, e2)
+            force[0], force[1], force[2] = force[0] - f0, weight, force[2] - f2
+        wander_matrix(before, s, force, pushed, yaw, rates, angle, axes, radius, weight, F)
         propagate(P, F, dt, moving, Phi, T, N)
         for i in range(3):
             for j in range(3):
@@ -484,14 +531,13 @@ def wander_run(
                     if f != 0.0:
                         for j in range(17):
                             total[i, j] += f * (old[k, j] if k < moving else (1.0 if k == j else 0.0))
-        advance(C, s[0:3], hull, dv[step], frame, coriolis, weight, dt, force, scratch)
-        v0, v2 = 0.5 * (v0 + s[0]), 0.5 * (v2 + s[2])
-        square = s[6] * s[6] + s[7] * s[7]
-        north = way[0] + (s[6] * v0 + s[7] * v2 - square * way[0] / cl) / cl
-        east = way[1] + (s[6] * v2 - s[7] * v0 - square * way[1] / cl) / cl
+        s[0] += dt * (m0 * f0 + m2 * f2 - yaw * east)
+        s[1] += dt * rise
+        s[2] += dt * (m0 * f2 - m2 * f0 + yaw * north)
+        north, east = 0.5 * (north + s[0]), 0.5 * (east + s[2])
         s[3] += north / radius * dt
         s[4] += east / (cl * radius) * dt
-        s[5] += 0.5 * (vu + s[1]) * dt
-        s[6] -= v0 * sl / radius * dt
-        s[7] -= v2 * sl / radius * dt
+        s[5] += 0.5 * (up + s[1]) * dt
+        s[6] -= (north * e0 - east * e2) * sl / radius * dt
+        s[7] -= (north * e2 + east * e0) * sl / radius * dt
     return FINISHED, n

@@ -6,6 +6,7 @@ References
    St Petersburg, 2015, chapter 2.
 """
 
+import warnings
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -16,8 +17,10 @@ from fogkit.constants import STANDARD_GRAVITY
 from fogkit.gyrocompass.covariance import Aid, Noise, Prior
 from fogkit.gyrocompass.error_model import MEASUREMENTS
 from fogkit.gyrocompass.frames import mount_attitude, pyramid_axes
+from fogkit.gyrocompass.laws import COARSEST_STEP
 from fogkit.gyrocompass.mechanisation import CompassState
 from fogkit.gyrocompass.motions import Motion
+from fogkit.units import DEG_PER_SECOND
 
 Array = NDArray[np.float64]
 
@@ -45,6 +48,11 @@ class Recording:
     ------
     ValueError
         If an entry is not finite, a shape does not fit, or the mount turns by more than half a turn in a step.
+
+    Warns
+    -----
+    UserWarning
+        If the mount turns by more than `fogkit.gyrocompass.laws.COARSEST_STEP` in a step.
     """
 
     dt: float
@@ -65,6 +73,13 @@ class Recording:
             raise ValueError(
                 f"`mount_angle` must not change by more than pi in a step, got {largest:.3g} rad: unwrap it "
                 "(`numpy.unwrap`), or sample faster"
+            )
+        if largest > COARSEST_STEP:
+            warnings.warn(
+                f"`mount_angle` changes by up to {largest:.3g} rad in a step of {self.dt:g} s; beyond "
+                f"{COARSEST_STEP:g} rad what the hull does in a step is smeared over its turn. Sample faster",
+                UserWarning,
+                stacklevel=3,
             )
         axes = checks.rotation_matrix("axes", self.axes)
         for name, value in (("dtheta", dtheta), ("dv", dv), ("mount_angle", mount), ("axes", axes)):
@@ -140,6 +155,7 @@ def record(
     bias: ArrayLike = (0.0, 0.0, 0.0),
     scale_factor: ArrayLike = (0.0, 0.0, 0.0),
     mount_reading: ArrayLike | None = None,
+    gyro_range: float = np.inf,
 ) -> Recording:
     """Record of a motion by sensors with errors.
 
@@ -156,6 +172,13 @@ def record(
     mount_reading : array_like, shape (n,), optional
         What the angle sensor of the mount reads at the times of the motion, rad (`fogkit.gyrocompass.encoder`); the
         true angle if not given.
+    gyro_range : float, optional
+        Largest rate that a gyro can read, rad/s.
+
+    Raises
+    ------
+    ValueError
+        If the motion asks a gyro to read more than its range.
 
     Returns
     -------
@@ -170,6 +193,7 @@ def record(
     """
     rng = checks.generator("rng", rng)
     dt = checks.instance("motion", motion, Motion).dt
+    _check_range(motion, gyro_range)
     angle = motion.mount_angle
     rates = motion.rates @ motion.axes.T
     rates[:, 1] -= motion.mount_rate
@@ -226,7 +250,11 @@ def take_fixes(
     values = truth + std * checks.generator("rng", rng).standard_normal(truth.shape)
     kept = np.ones(len(time), dtype=bool)
     for start, end in lost:
+        if not start < end:
+            raise ValueError(f"`lost` must have pairs of a time and a later one, got ({start:g}, {end:g}) s")
         kept &= (time < start) | (time > end)
+    if not kept.any():
+        raise ValueError(f"`lost` must leave a measurement, got {lost!r}: an unaided filter observes nothing")
     return Fixes(time=time[kept], values=values[kept], aid=aid)
 
 
@@ -243,6 +271,20 @@ def draw_start(motion: Motion, prior: Prior, rng: np.random.Generator) -> Compas
         lon=state[7],
         alt=state[8],
     )
+
+
+def _check_range(motion: Motion, gyro_range: float) -> None:
+    """Refuse a motion that asks a gyro to read more than it can."""
+    if not gyro_range > 0:
+        raise ValueError(f"`gyro_range` must be > 0 rad/s, got {gyro_range!r}")
+    rates = np.abs(motion.rates)
+    step, gyro = np.unravel_index(np.argmax(rates), rates.shape)
+    if rates[step, gyro] > gyro_range:
+        raise ValueError(
+            f"`motion` must keep gyro {'xyz'[gyro]} within `gyro_range`, {gyro_range / DEG_PER_SECOND:.4g} deg/s, got "
+            f"{rates[step, gyro] / DEG_PER_SECOND:.4g} deg/s at {motion.time[step]:g} s. Let the law of the mount take "
+            "a longer period or a smaller amplitude (`fogkit.gyrocompass.gyro_range`)."
+        )
 
 
 def _integrals(values: Array, dt: float) -> Array:

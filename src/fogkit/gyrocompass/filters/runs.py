@@ -105,7 +105,13 @@ def fix_steps(recording: Recording, fixes: Fixes) -> NDArray[np.int64]:
         raise ValueError(f"`fixes.time` must be in the recording, [0, {recording.duration:g}] s, got {outside:g} s")
     heard = fixes.time[np.isfinite(fixes.values).any(axis=1)]
     gaps = np.diff(np.concatenate([[0.0], heard, [recording.duration]]))
-    if gaps.max() > 1.5 * fixes.aid.interval:
+    if len(heard) == 1 and recording.duration > 0:
+        warnings.warn(
+            f"`fixes` has one measurement, at {heard[0]:g} s of {recording.duration:g} s; errors grow freely",
+            UserWarning,
+            stacklevel=3,
+        )
+    elif gaps.max() > 1.5 * fixes.aid.interval:
         at = [0.0, *heard][int(np.argmax(gaps))]
         warnings.warn(
             f"`fixes` has no measurement for {gaps.max():g} s from {at:g} s, where one comes "

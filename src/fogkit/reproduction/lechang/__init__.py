@@ -24,6 +24,8 @@ module                 answers
 `simulation_runs`      which errors do filters and smoother make over 100 seeds?
 `simulation_claims`    do the claims in words on the simulation hold?
 `filtering`            what do the filters find over many seeds, and which may be believed?
+`latitudes`            is the filter consistent from the equator to near a pole, at rest and under way?
+`manoeuvres`           what does a turn of the vessel do, against rocking?
 `scanning`             what can the static scan say, and does drift explain table 6?
 `experiments`          how often does the second experiment meet 30 arcmin?
 `experiment_verdicts`  do the claims of chapter 4 hold?
