@@ -3,14 +3,16 @@
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
+from scipy.linalg import expm
 
 from fogkit.constants import EARTH_RATE
 from fogkit.gyrocompass.covariance import Aid, Noise, Prior, run_covariance
-from fogkit.gyrocompass.error_model import STATES
+from fogkit.gyrocompass.error_model import STATES, system_matrix
 from fogkit.gyrocompass.frames import hull_attitude, pyramid_axes
 from fogkit.gyrocompass.laws import QuasiHarmonic
+from fogkit.gyrocompass.mechanisation import CompassState, Reading
 from fogkit.gyrocompass.motions import Vessel
-from fogkit.gyrocompass.observability import directions_seen
+from fogkit.gyrocompass.observability import _transitions, directions_seen
 from fogkit.units import DEG, DEG_PER_HOUR, PERCENT
 
 LAT = 60 * DEG
@@ -44,6 +46,21 @@ def test_others_are_nuisances():
     truth = np.linalg.eigvalsh(((V * left) @ V.T)[9:, 9:])
     assert_allclose(part.fractions**2, truth, rtol=1e-6)  # posteriors of a part are the part of the posterior
     assert_allclose(part.directions.T @ part.directions, np.eye(6), atol=1e-12)
+
+
+def test_transitions_against_exponentials():
+    record = motion(LAW, duration=2.0)
+    truth = np.eye(15)
+    for k in range(20):
+        x = 0.5 * (record.states[k] + record.states[k + 1])
+        names = ("rates", "specific_force", "mount_angle", "mount_rate")
+        middle = {n: 0.5 * (getattr(record, n)[k] + getattr(record, n)[k + 1]) for n in names}
+        state = CompassState(heading=x[0], trim=x[1], roll=x[2], velocity=x[3:6], lat=x[6], alt=x[8])
+        truth = expm(system_matrix(state, Reading(**middle), record.gravity) * record.dt) @ truth
+    # what a step leaves out is (0.1 s/2 s)**2 of a growth of third order, itself a smaller part of the largest growth
+    std = np.sqrt(np.diag(PRIOR.covariance(LAT)))
+    error = np.abs(_transitions(record)[-1] - truth) * std / std[:, np.newaxis]
+    assert error.max() < 1e-3 * np.abs(truth * std / std[:, np.newaxis] - np.eye(15)).max()
 
 
 def test_at_rest_heading_hides_behind_the_east_bias():

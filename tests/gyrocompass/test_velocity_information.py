@@ -23,6 +23,7 @@ LAWS = {
     "thesis": QuasiHarmonic(amplitude=np.pi, period=60.0),
     "off centre": QuasiHarmonic(amplitude=1.1, period=75.0, centre=0.5, phase=0.3),
     "reversal": ConstantSpeedReversal(amplitude=2.0, period=50.0, reversal_time=5.0),
+    "not the same from its end": QuasiHarmonic(amplitude=1.1, period=170.0, centre=0.5, phase=0.3),
 }
 
 
@@ -60,7 +61,7 @@ def test_scale_factors_matter_to_a_slow_law():
 
 def test_biases_split_from_heading_make_the_bound_again():
     # noise of heading, plus what is left of a bias by the mean direction: the Schur complement in two steps
-    for law in LAWS.values():
+    for law in list(LAWS.values())[:3]:  # those with whole periods in the time
         left = bias_left(law, 300.0, WALK, 0.0, BIAS)
         m = abs(mean_direction(law))
         std = np.hypot(WALK / (LEVEL * np.sqrt(300.0)), m * left / LEVEL)

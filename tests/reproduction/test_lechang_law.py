@@ -189,8 +189,15 @@ def test_unsteady_speed():
     assert (table[3] < 1e-9).all().all()  # three gyros: along the axis, whatever the law
     assert (table[1].drop("one way").angle < 1e-9).all()  # one gyro: the same there and back
     assert table[1].angle["one way"] > 100  # but not one way
-    # a departure in time by v cos(3 w t) is read as a heading error of v c_3/(sqrt 2 level): for 180 deg |J3| = 0.333
-    assert table[1].time["harmonic, 180 deg"] > 100 and table[1].time["constant speed, 180 deg"] > 100
+    # (14) for the gyro y, its bias free, the rate wrong by five per cent of the largest three times a period
+    law = law_study.encoder_laws()["harmonic, 180 deg"]
+    t, w = 300.0 * (np.arange(6000) + 0.5) / 6000, 2 * np.pi / 20
+    angle = law.angle(t) + 0.05 * law.max_rate / w * np.sin(w * t + 0.4)
+    seen = np.sqrt(2 / 3) * EARTH_RATE * np.cos(paper.ASSUMED_LATITUDE) * np.sin(angle - paper.STAND_HEADING)
+    error = 0.05 * law.max_rate * np.cos(w * t + 0.4) / np.sqrt(3)
+    expected = np.cov(seen, error)[0, 1] / np.var(seen, ddof=1)
+    assert_allclose(table[1].time["harmonic, 180 deg"], abs(expected) / DEG, rtol=1e-9)
+    assert abs(expected) > 100 * DEG and table[1].time["constant speed, 180 deg"] > 100
 
 
 def test_history_counts():
