@@ -29,8 +29,8 @@ def test_mount_on_tilts_are_what_is_left():
     assert (table.on_deg < paper.HEADING_ACCURACY / DEG / 10).all()
     tilted = np.hypot(table.on_deg, 0.1 * np.tan(table.index.to_numpy() * DEG))
     assert_allclose(table.on_tilted_deg, tilted, rtol=1e-9)
-    # white noise alone would allow accuracy * rate * root of time; rocking by 180 degrees with unknown biases takes 1 - root of (1 - J0(pi)**2)
-    # of it, 4.7 per cent, and biases and a drift known to 0.2 deg/h a little less or more
+    # white noise alone allows accuracy * rate * root of time; rocking by 180 degrees with unknown biases takes
+    # 4.7 per cent of it, and a drift known to 0.2 deg/h a little more
     alone = 0.3 * DEG * EARTH_RATE * np.cos(table.index.to_numpy() * DEG) * np.sqrt(300.0) / (DEG / 60)
     assert ((0.94 * alone < table.walk_on_deg_sqrt_h) & (table.walk_on_deg_sqrt_h < alone)).all()
 

@@ -73,7 +73,7 @@ def to_frame() -> "DataFrame":
 
     rows = [
         {
-            "lat_deg": lat / DEG,
+            "lat_deg": round(lat / DEG, 9),
             "off_deg": reached(lat, mount_on=False).std / DEG,
             "on_deg": reached(lat, mount_on=True).std / DEG,
             "on_tilted_deg": reached(lat, mount_on=True, level_std=paper.LEVEL_ACCURACY).std / DEG,
