@@ -152,6 +152,34 @@ def consistency_runs(
     return pd.DataFrame([row for rows in found for row in rows])
 
 
+def headings_that_move(seeds: Iterable[int], heading_std: float = 10 * DEG, dt: float = 0.1) -> "DataFrame":
+    """How far the computed heading of the thesis's filter moves with the mount off, and what it then claims.
+
+    Parameters
+    ----------
+    seeds : iterable of int
+        Of the runs.
+    heading_std : float, optional
+        Standard deviation of the heading at the start, rad.
+    dt : float, optional
+        Step, s.
+
+    Returns
+    -------
+    DataFrame
+        Index ``seed``; ``moved`` (highest less lowest computed heading) and ``claimed`` (standard deviation when the
+        mount is switched on), deg. Along a heading that does not move nothing is learnt of it.
+    """
+    import pandas as pd
+
+    end, rows = round(simulation.ASSUMED_SWITCH_ON), {}
+    for seed in seeds:
+        run = runs_of(seed, heading_std, 0.01, dt, names=("extended",))[0]["extended"]
+        heading = np.unwrap(run.estimate[: end + 1, 0])
+        rows[seed] = {"moved": np.ptp(heading) / DEG, "claimed": run.std[end, 0] / DEG}
+    return pd.DataFrame.from_dict(rows, orient="index").rename_axis("seed")
+
+
 def thesis_case(seed: int, velocity_std: float, heading_std: float = 10 * DEG, dt: float = STEP) -> np.ndarray:
     """Errors and standard deviations, shape (2, 901, 15), of the recommended filter with the gyros of table 4."""
     runs, bias, scale = runs_of(seed, heading_std, velocity_std, dt, names=("wander",), drawn=False)

@@ -97,7 +97,7 @@ class Inputs:
 
 
 VARIED = {
-    ("as assumed", "60°, 1 cm/s, 3 m, 1 s, 10°, 400 s"): Inputs(),
+    ("as assumed", "see above"): Inputs(),
     ("latitude", "0°"): Inputs(lat=0.0),
     ("latitude", "75°"): Inputs(lat=75 * DEG),
     ("aid, velocity", "1 mm/s"): Inputs(velocity_std=0.001),

@@ -132,7 +132,7 @@ def all_is_observed_after_200_s() -> bool:
 
 def errors_over_rest(name: str = "wander") -> float:
     """Least ratio of an error of table 4 to the root mean square error of its estimate at the end, for a filter."""
-    rms = _statistics().rms.xs(900, level="time")[name]
+    rms = _statistics().rms.xs(900, level="time")[name][list(simulation_runs.QUANTITIES)]
     biases, scales = paper.SIMULATED_BIASES / DEG_PER_HOUR, paper.SIMULATED_SCALE_FACTORS / PERCENT
     values = [*np.abs(biases), *scales]
     return float(min(value / rms[quantity] for value, quantity in zip(values, rms.index[3:], strict=True)))

@@ -3,6 +3,10 @@
 Inputs that the thesis does not state are as in `fogkit.reproduction.lechang.filtering`, the aid with 1 cm/s, headings
 known to 10 degrees. `RUNS` holds the outcome of ``runs(range(100))``, written by
 ``python -m fogkit.reproduction.lechang.simulation_runs PATH``.
+
+At the end the heading of `wander` scatters 1.15 times as much as it says in these 100 seeds. Of 600 others, 1000 to
+1599 of ``filtering.runs_of(seed, 10 * DEG, 0.01, 0.05, ("wander",))``, it does so 1.01 times, with a chance error of
+0.03.
 """
 
 import sys
@@ -143,7 +147,7 @@ def statistics(table: "DataFrame") -> "DataFrame":
             }
     found = pd.DataFrame.from_dict(rows, orient="index")
     found.index = pd.MultiIndex.from_tuples(found.index, names=["filter", "quantity", "time"])
-    return found
+    return found.sort_index()
 
 
 if __name__ == "__main__":
