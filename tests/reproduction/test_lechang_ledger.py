@@ -8,7 +8,7 @@ from fogkit import claims
 from fogkit.constants import EARTH_RATE
 from fogkit.gyrocompass import error_model, frames, mechanisation, scan
 from fogkit.reproduction import lechang
-from fogkit.reproduction.lechang import kinematics, paper, requirement_claims, requirements, verdicts
+from fogkit.reproduction.lechang import paper, requirement_claims, requirements, turns, verdicts
 from fogkit.units import DEG, MINUTE
 
 ROWS = {claim.id: claim for claim in claims.load("lechang")}
@@ -37,28 +37,28 @@ def test_every_equation_table_and_figure_has_a_row():
 
 
 def test_a_wrong_equation_departs_from_turns(monkeypatch):
-    assert max(kinematics.departures().values()) < kinematics.TOLERANCE
+    assert max(turns.departures().values()) < turns.TOLERANCE
     right = mechanisation.angle_rates
     monkeypatch.setattr(mechanisation, "angle_rates", lambda *a: right(*a) * [-1, 1, 1])  # the lost minus sign of (6)
-    assert not kinematics.follows("eq06")
-    assert kinematics.follows("eq03")
-    assert kinematics.angles_by_integration() > 0.1
+    assert not turns.follows("eq06")
+    assert turns.follows("eq03")
+    assert turns.angles_by_integration() > 0.1
     monkeypatch.setattr(mechanisation, "geographic_rate", lambda *a: np.array([1.0, 1.0, -1.0]) * EARTH_RATE)
-    assert not kinematics.follows("eq05")
-    assert not kinematics.follows("eq04")
+    assert not turns.follows("eq05")
+    assert not turns.follows("eq04")
     wrong = frames.mount_attitude
     monkeypatch.setattr(mechanisation, "mount_attitude", lambda angle: wrong(-np.asarray(angle)))
-    assert not kinematics.follows("eq03")
+    assert not turns.follows("eq03")
 
 
 def test_integration_of_rates_is_of_fourth_order():
     # the angles are quadratic in time, the rates of them by (6) exact to 1e-9: what is left is Simpson's rule
-    coarse, fine = (kinematics.angles_by_integration(steps=steps) for steps in (2, 10))
+    coarse, fine = (turns.angles_by_integration(steps=steps) for steps in (2, 10))
     assert fine <= coarse < 1e-7
 
 
 def test_a_wrong_coefficient_departs_from_differences(monkeypatch):
-    assert kinematics.error_model_departure() < 1e-7
+    assert turns.error_model_departure() < 1e-7
     right = error_model.system_matrix
 
     def wrong(state, reading):
@@ -68,15 +68,15 @@ def test_a_wrong_coefficient_departs_from_differences(monkeypatch):
         return F
 
     monkeypatch.setattr(error_model, "system_matrix", wrong)
-    kinematics.error_model_departure.cache_clear()
-    assert kinematics.error_model_departure() > 5e-5
-    assert not kinematics.errors_of_a_gyro_act_alike()
-    kinematics.error_model_departure.cache_clear()
+    turns.error_model_departure.cache_clear()
+    assert turns.error_model_departure() > 5e-5
+    assert not turns.errors_of_a_gyro_act_alike()
+    turns.error_model_departure.cache_clear()
 
 
 def test_rates_near_a_vertical_bow_grow_as_the_secant():
     for trim in (60 * DEG, 84 * DEG, 89.9 * DEG):
-        assert_allclose(kinematics.rates_near_a_vertical_bow(trim), 1 / np.cos(trim), rtol=1e-12)
+        assert_allclose(turns.rates_near_a_vertical_bow(trim), 1 / np.cos(trim), rtol=1e-12)
 
 
 def test_euler_angles_make_the_pyramid():

@@ -18,7 +18,7 @@ from fogkit.gyrocompass.covariance import Aid, Noise, run_covariance
 from fogkit.gyrocompass.frames import TO_PACKAGE, hull_attitude, mount_attitude, package_attitude, pyramid_axes
 from fogkit.gyrocompass.laws import ConstantSpeedReversal, Fixed, OneWay, QuasiHarmonic
 from fogkit.gyrocompass.mechanisation import CompassState, Reading, geographic_rate, gyro_rates, state_rate
-from fogkit.reproduction.lechang import derivation, kinematics, paper, requirements, simulation
+from fogkit.reproduction.lechang import derivation, paper, requirements, simulation, turns
 from fogkit.rotation import dcm_from_heading_pitch_roll
 from fogkit.units import DEG, MINUTE
 
@@ -184,8 +184,8 @@ def euler_angles() -> tuple[float, float, float]:
     for x, z in permutations((third.apply(y), third.inv().apply(y))):
         axes = np.column_stack([x, y, z])
         if np.linalg.det(axes) > 0:
-            turns = Rotation.from_matrix(axes).as_euler("YZY", degrees=True)
-    return float(abs(turns[0])), float(turns[1]), float(turns[2])
+            angles = Rotation.from_matrix(axes).as_euler("YZY", degrees=True)
+    return float(abs(angles[0])), float(angles[1]), float(angles[2])
 
 
 def sign_of_eq13(first: float) -> float:
@@ -256,7 +256,7 @@ def accelerometers_do_not_turn() -> bool:
 
 def restored(name: str) -> bool:
     """Whether a restored coefficient of (8) follows by symbols, and the error model agrees with differences."""
-    return derivation.holds(name) and kinematics.error_model_departure() < kinematics.TOLERANCE
+    return derivation.holds(name) and turns.error_model_departure() < turns.TOLERANCE
 
 
 def restored_17(name: str) -> bool:
