@@ -3,6 +3,28 @@
 The text is a scan with garbled formulas: `derivation` has them as restored, beside what follows by derivation.
 """
 
-from fogkit.reproduction.lechang import derivation, filtering, paper, pyramid, rates, requirements, simulation
+from fogkit.reproduction.lechang import (
+    derivation,
+    experiment_verdicts,
+    experiments,
+    filtering,
+    paper,
+    pyramid,
+    rates,
+    requirements,
+    scanning,
+    simulation,
+)
 
-__all__ = ["derivation", "filtering", "paper", "pyramid", "rates", "requirements", "simulation"]
+__all__ = [
+    "derivation",
+    "experiment_verdicts",
+    "experiments",
+    "filtering",
+    "paper",
+    "pyramid",
+    "rates",
+    "requirements",
+    "scanning",
+    "simulation",
+]
