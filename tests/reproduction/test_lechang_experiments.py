@@ -73,7 +73,7 @@ def test_ramps_that_table_6_would_need(positions):
     amplitude = scanning.amplitudes().max()
     assert_allclose(np.sqrt(least / (3 * positions)) / amplitude, residual, rtol=1e-6)
     # the slope by differences, against the curvature's
-    steps = [(row, 0.0) for row in 0.01 * np.diag(paper.STAND_SCALES)] + [(np.zeros(3), 0.01)]
+    steps = [(row, 0.0) for row in 0.01 * np.diag(paper.STAND_SCALES)] + [(np.zeros(3), 1e-4)]
     for scale, turn in steps:
         sides = [squares(paper.STAND_SCALES + k * scale, paper.STAND_HEADING + k * turn) for k in (-1, 1)]
         assert abs(sides[1] - sides[0]) < 1e-3 * max(abs(side - least) for side in sides) + 1e-9 * least
