@@ -42,7 +42,7 @@ def test_white_noise_against_the_bound(law, fixed, bias):
         law, TIME, LAT, gyro.angle_random_walk, bias_std=bias, drift_std=0 if fixed else bias
     )
     found = level_estimate(law, TIME, LAT, gyro, fixed)
-    # midpoints: 0.02 rad, 2e-5, and 2048 points on a line for a heading that drifts
+    # midpoints: 0.02 rad, 2e-5, and 4096 points on a line for a heading that drifts
     assert_allclose(found.std, bound.std, rtol=3e-5)
     assert_allclose(found.mean_direction, bound.mean_direction, atol=2e-5)
 
@@ -188,6 +188,10 @@ def test_inverses():
     walk = design.walk_for(0.5 * DEG, COLOURED, law, LAT, TIME, **options)
     again = design.heading_accuracy(replace(COLOURED, angle_random_walk=walk), law, LAT, TIME, **options)
     assert_allclose(again.std, 0.5 * DEG, rtol=2e-3)  # the tolerance of the search
+    # the same with nothing but white noise, where all of it may be spent
+    swing = ConstantSpeedReversal(amplitude=np.pi, period=60.0)
+    alone = design.walk_for(0.5 * DEG, WHITE, swing, LAT, TIME, heading_fixed=True)
+    assert_allclose(alone, 0.5 * DEG * EARTH_RATE * np.cos(LAT) * np.sqrt(TIME), rtol=2e-3)
     # white noise alone falls with the root of time: whole periods above that of the equation
     time = design.time_for(0.5 * DEG, WHITE, law, LAT, heading_fixed=True)
     bound = accuracy.heading_bound(law, TIME, LAT, WHITE.angle_random_walk).std

@@ -237,7 +237,7 @@ def walk_for(
 
     unit = found(np.log(gyro.angle_random_walk))
     most = np.log(gyro.angle_random_walk * accuracy / unit.budget["white noise"])  # by white noise alone
-    least = most - np.log(1e3)
+    least, most = most - np.log(1e3), most + 1e-3  # a little more, where there is nothing but white noise
     best = found(least)
     if best.std >= accuracy:
         raise ValueError(

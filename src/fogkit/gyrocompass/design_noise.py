@@ -29,7 +29,7 @@ MOST_PERIODS = 100
 BLOCKS_PER_PERIOD = 24
 FEWEST_BLOCKS = 240
 _STEP = 0.02  # angle, rad, between points of a mean: wrong by 0.02**2/24 = 2e-5 of it
-_POINTS = 2048  # fewest points
+_POINTS = 4096  # fewest points
 
 
 @dataclass(frozen=True, kw_only=True)
