@@ -201,12 +201,21 @@ def test_consistent_under_way_in_a_turn_and_near_the_pole(lat, walk, heading, sp
     aid, values, seen = Aid.satellite(lat * DEG, velocity=aid), [], []
     for seed in range(16):
         recording, fixes, start, *true = drawn(motion, prior, aid, seed, noise)
-        run = run_wander(recording, fixes, noise, start, prior)
+        run = run_wander(recording, fixes, noise, start, prior, course_follows_heading=turning is not None)
         values.append(nees(run.wander_errors(motion, *true)[-1], run.wander_covariance[-1]))
         seen.append(run.std[-1, 0])
     low, high = chi_square_interval(17, 16, 0.999)
     assert low < np.mean(values) < high
     assert np.mean(seen) < 8 * DEG  # something was found
+
+
+def test_a_turn_under_way_with_heading_hardly_known_is_warned_of():
+    motion = replace(ROLLING, speed=5.0, turning=CIRCLE).motion(30.0, 0.05, LAW)
+    recording, fixes, start, *_ = drawn(motion, PRIOR, Aid.satellite(LAT, velocity=0.1), 1)
+    with pytest.warns(UserWarning, match=r"turns by up to 5.* deg under way at 5.* m/s with heading known to 10 deg"):
+        run_wander(recording, fixes, NOISE, start, PRIOR)
+    run_wander(recording, fixes, NOISE, start, PRIOR, course_follows_heading=True)  # warnings are errors
+    run_wander(recording, fixes, NOISE, start, replace(PRIOR, heading=1 * DEG))
 
 
 def test_smoother():

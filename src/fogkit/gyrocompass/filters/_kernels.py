@@ -430,6 +430,7 @@ def wander_run(
     states_out,  # s, shape (n // keep + 1, 14)
     P_out,  # shape (n // keep + 1, 17, 17)
     nis,
+    follows,  # whether velocity turns with the hull
     smooth,  # whether to write what a smoother needs, in each row of the output:
     Phi_out,  # transitions to the next row, shape (n // keep, 17, 17)
     before_out,  # covariances there before the measurement
@@ -490,7 +491,7 @@ def wander_run(
             rates[i] /= dt
             before[i, :] = C[i, :]
         yaw = 0.0
-        if north * north + east * east > UNDER_WAY * UNDER_WAY * (P[3, 3] + P[5, 5]):
+        if follows and north * north + east * east > UNDER_WAY * UNDER_WAY * (P[3, 3] + P[5, 5]):
             yaw = turn_rate(C, hull, frame, frame[1] + east * sl / cl / radius, dt)
         angle = 0.5 * (mount[step] + mount[step + 1])
         advance(C, hull, dv[step], frame, dt, force, scratch)

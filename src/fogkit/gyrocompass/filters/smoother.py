@@ -27,12 +27,13 @@ def smooth_wander(
     *,
     heading_known: bool = True,
     output_interval: float = 1.0,
+    course_follows_heading: bool = False,
 ) -> tuple[WanderRun, WanderRun]:
     """Estimates from all measurements at every time, after a run of the filter.
 
     Parameters
     ----------
-    recording, fixes, noise, start, prior, heading_known, output_interval
+    recording, fixes, noise, start, prior, heading_known, output_interval, course_follows_heading
         As for `fogkit.gyrocompass.filters.wander.run_wander`; all measurements must be at times of the output.
 
     Returns
@@ -47,7 +48,7 @@ def smooth_wander(
     ``C = P_k Phi^T (P_{k+1}^-)^{-1}``, ``d`` being the same at k+1: the smoother of [1]_ for errors that are fed back.
     """
     filtered, (transitions, before, corrections) = _run(
-        recording, fixes, noise, start, prior, heading_known, output_interval, smooth=True
+        recording, fixes, noise, start, prior, heading_known, output_interval, course_follows_heading, smooth=True
     )
     P = filtered.wander_covariance
     smoothed, d = P.copy(), np.zeros((len(P), P.shape[1]))

@@ -8,9 +8,10 @@ heading is, the filter makes no error of second order in it.
 Velocity is kept north, up, east, as the aid has it, so that a measurement knows nothing of the axis. The level specific
 force in w makes velocity through the axis, ``R^T (f - R c)``, with ``R`` the turn from north and east to w by the
 axis and ``c`` the Coriolis force. At constant velocity the bracket is zero but for tilts, and any turn will do in the
-place of ``R^T``: the best estimate is taken, and the model stays linear. In a turn the velocity is taken to turn with
-the hull, whose rate the gyros know, and ``c`` has the acceleration of that as well. In another manoeuvre, when the
-force is larger than tilts and noise explain, the measured force is turned by the error of the axis.
+place of ``R^T``: the best estimate is taken, and the model stays linear. In a turn the velocity may be taken to turn
+with the hull, whose rate the gyros know (`course_follows_heading`): ``c`` then has the acceleration of that as well. In
+another manoeuvre, when the force is larger than tilts and noise explain, the measured force is turned by the error of
+the axis.
 
 Two ways that look simpler fail. With velocity kept in w the aid's velocity must be turned by the axis, and its noise
 with it: of what the aid is wrong by, times the error of heading, the filter knows nothing. And a measured force that is
@@ -52,8 +53,12 @@ from fogkit.gyrocompass.frames import hull_attitude, pyramid_axes
 from fogkit.gyrocompass.mechanisation import EARTH_RADIUS, TRIM_MARGIN, CompassState
 from fogkit.gyrocompass.motions import Motion
 from fogkit.rotation import small_angle_between
+from fogkit.units import DEG
 
 Array = NDArray[np.float64]
+
+TURN = 10 * DEG
+"""Turn of the hull, rad, that is more than yawing in waves."""
 
 WANDER_STATES = (
     *("tilt_1", "azimuth", "tilt_2"),
@@ -134,6 +139,7 @@ def run_wander(
     *,
     heading_known: bool = True,
     output_interval: float = 1.0,
+    course_follows_heading: bool = False,
 ) -> WanderRun:
     """Heading and the rest from a record and an aid, from any heading.
 
@@ -145,6 +151,10 @@ def run_wander(
         Standard deviations of the errors at the start.
     heading_known : bool, optional
         False: nothing is known of heading, whatever `start` and `prior` say.
+    course_follows_heading : bool, optional
+        True: under way the velocity turns as the hull does, by the gyros. Without it, a turn with heading hardly known
+        makes the filter too sure of heading; with it, yawing in waves while the course stays does, and so does a rocked
+        mount while scale factors are wrong by 0.5 percent. So it is for turns.
 
     Returns
     -------
@@ -160,7 +170,8 @@ def run_wander(
     Warns
     -----
     UserWarning
-        If the aid is lost for a time, innovations are larger than they may be, or trim comes near the vertical, where
+        If the hull turns under way with heading hardly known, unless `course_follows_heading`. If the aid is lost for a
+        time, innovations are larger than they may be, or trim comes near the vertical, where
         heading and roll are not defined apart (`WanderRun.C_h_w` is).
 
     Notes
@@ -168,10 +179,10 @@ def run_wander(
     Covariance and mechanisation are predicted in every step, the transition to second order; measurements are taken one
     component after the other in Joseph's form, and fed back at once.
     """
-    return _run(recording, fixes, noise, start, prior, heading_known, output_interval)[0]
+    return _run(recording, fixes, noise, start, prior, heading_known, output_interval, course_follows_heading)[0]
 
 
-def _run(recording, fixes, noise, start, prior, heading_known, output_interval, smooth=False) -> tuple:
+def _run(recording, fixes, noise, start, prior, heading_known, output_interval, follows, smooth=False) -> tuple:
     """The run, and what a smoother needs of it."""
     steps = fix_steps(recording, fixes)
     keep = multiple("output_interval", checks.positive("output_interval", output_interval, "s"), recording.dt)
@@ -188,13 +199,45 @@ def _run(recording, fixes, noise, start, prior, heading_known, output_interval, 
     failure, step = _kernels.wander_run(
         *(P, C, s, recording.dtheta, recording.dv, recording.mount_angle, recording.axes),
         *(EARTH_RADIUS, recording.gravity, dt, *densities),
-        *(steps, fixes.values, fixes.variances, MARGINS, keep, attitudes, states, covariances, nis, smooth, *kept),
+        *(
+            steps,
+            fixes.values,
+            fixes.variances,
+            MARGINS,
+            keep,
+            attitudes,
+            states,
+            covariances,
+            nis,
+            follows,
+            smooth,
+            *kept,
+        ),
     )
     raise_failure(failure, step, dt)
     counts = np.isfinite(fixes.values).sum(axis=1)
     warn_of_innovations(nis, counts)
+    if not follows:
+        _warn_of_turns(attitudes, states, prior.heading if heading_known else np.pi / 2, fixes.variances[:3])
     time = dt * keep * np.arange(rows)
     return wander_result(time, attitudes, states, covariances, (fixes.time, nis, counts)), kept
+
+
+def _warn_of_turns(C: Array, s: Array, heading_std: float, variances: Array) -> None:
+    """Warn if the hull turned under way by so much that the error of heading was seen in the aid's velocity."""
+    azimuth = np.unwrap(np.arctan2(C[:, 2, 0], C[:, 0, 0]))
+    turn, speed = np.abs(azimuth - azimuth[0]), np.hypot(s[:, 0], s[:, 2])
+    aided = np.sqrt(np.nan_to_num(variances)).max()
+    seen = speed * np.abs(2 * np.sin(np.minimum(turn, np.pi) / 2)) * min(heading_std, 1.0)
+    bad = (turn > TURN) & (speed > 5 * aided) & (seen > 5 * aided)
+    if bad.any():
+        warnings.warn(
+            f"the hull turns by up to {turn[bad].max() / DEG:.3g} deg under way at {speed[bad].max():.3g} m/s with "
+            f"heading known to {min(heading_std, np.pi) / DEG:.3g} deg at the start: the filter may be too sure of "
+            "heading. Use `course_follows_heading=True` if the vessel moves where it looks, or find heading before",
+            UserWarning,
+            stacklevel=4,
+        )
 
 
 def wander_start(start: CompassState, prior: Prior, heading_known: bool) -> tuple[Array, Array]:

@@ -5,7 +5,7 @@ degrees north gives nothing at 89.9. So there is a second grade of gyros, 100 ti
 180 degrees in 60 s, for 300 s; the aid measures velocity to 1 cm/s and position to 3 m once a second. Biases, scale
 factors, start and noise are drawn from what the filter is told.
 
-`LATITUDE_RUNS` holds the outcome of ``latitude_runs(range(40))``, written by
+`LATITUDE_RUNS` holds the outcome of ``latitude_runs(range(20))``, written by
 ``python -m fogkit.reproduction.lechang.latitudes PATH``.
 """
 
@@ -54,7 +54,7 @@ def motion(lat_deg: float, speed: float) -> Motion:
 
 
 def prior(heading_std_deg: float, grade: float) -> Prior:
-    """What is known at the start. Level to 0.01 degrees: products of tilts would swamp the azimuth of the best gyros."""
+    """What is known at the start. Level to 0.01 degrees: products of tilts would swamp the best gyros' azimuth."""
     return Prior(
         heading=heading_std_deg * DEG,
         level=0.01 * DEG,
@@ -147,5 +147,5 @@ if __name__ == "__main__":
     from concurrent.futures import ThreadPoolExecutor
 
     with ThreadPoolExecutor() as pool:
-        found = latitude_runs(range(40), executor=pool)
+        found = latitude_runs(range(20), executor=pool)
     found.to_csv(sys.argv[1], index=False, float_format="%.5f")
