@@ -15,7 +15,7 @@ module              answers
 `filters`           what do a record and an aid say of heading, and may one believe it?
 `scan`              what does a scan of the Earth rate at rest say, and what does it leave open?
 `dwells`            which samples of a raw record are readings of a scan, and what are their means?
-`mount_calibration` what do the turns of the mount say of the gyros' scale factors?
+`mount_scale`       what do the turns of the mount say of the gyros' scale factors?
 `tables`            how do one's own recording and aid come into the filters?
 ==================  =====================================================================================
 """
