@@ -1,4 +1,4 @@
-"""What integrating the angles, (6) and (7), costs when the bow comes near the vertical, where a matrix costs nothing."""
+"""What integrating the angles, (6) and (7), costs near a vertical bow, where a matrix costs nothing."""
 
 import numpy as np
 
