@@ -25,7 +25,7 @@ ENVIRONMENT := .venv/installed
 .DELETE_ON_ERROR:
 
 # Every build starts from nothing, so that no warning hides in a page that was left as it was. Only executed cells are kept, in
-# build/cache (see book/_ext/fogkit_book.py).
+# build/cache (see book/_ext).
 book: $(ENVIRONMENT)
 	rm -rf book/_build book/api
 	$(BIN)/jupyter-book build book -n -W --keep-going
@@ -40,7 +40,7 @@ test: lint
 	$(BIN)/python -m pytest --numprocesses=auto --dist=loadfile --cov --cov-report=term
 
 pages: $(ENVIRONMENT)
-	$(BIN)/python -m pytest tests/test_pages.py
+	$(BIN)/python -m pytest --numprocesses=auto --maxprocesses=4 --dist=loadgroup tests/test_pages.py
 
 bench: $(ENVIRONMENT)
 	$(BIN)/python benchmarks/run.py
