@@ -42,7 +42,7 @@ TESTS := $(BIN)/python -m pytest --numprocesses=auto --dist=loadfile
 test: lint
 	$(TESTS)
 
-# Not in `test`: following every line takes half as long again.
+# Not in `test`: with every line followed the tests take up to twice the time.
 coverage: lint
 	$(TESTS) --cov --cov-report=term
 
