@@ -2,6 +2,7 @@
 #   make book     the book, strictly: book/_build/html/index.html
 #   make figures  the book, and each of its figures as PNG and SVG in build/figures/
 #   make test     ruff, then the tests with the doctests of the package and of the README
+#   make coverage the same tests, slower, and which lines of the package they leave out
 #   make pages    looks at the built book in a browser (Debian: apt-get install chromium)
 #   make bench    the benchmarks, each beside a peer or a bound
 #   make lint     ruff only
@@ -21,11 +22,11 @@ BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 ENVIRONMENT := .venv/installed
 
-.PHONY: book figures test pages bench lint lock clean distclean environment
+.PHONY: book figures test coverage pages bench lint lock clean distclean environment
 .DELETE_ON_ERROR:
 
 # Every build starts from nothing, so that no warning hides in a page that was left as it was. Only executed cells are kept, in
-# build/cache (see book/_ext/fogkit_book.py).
+# build/cache (see book/_ext).
 book: $(ENVIRONMENT)
 	rm -rf book/_build book/api
 	$(BIN)/jupyter-book build book -n -W --keep-going
@@ -36,11 +37,17 @@ figures: book
 	$(BIN)/python book/figures.py
 	cp build/figures/fig-landing.png book/_static/
 
+TESTS := $(BIN)/python -m pytest --numprocesses=auto --dist=loadfile
+
 test: lint
-	$(BIN)/python -m pytest --numprocesses=auto --dist=loadfile --cov --cov-report=term
+	$(TESTS)
+
+# Not in `test`: with every line followed the tests take up to twice the time.
+coverage: lint
+	$(TESTS) --cov --cov-report=term
 
 pages: $(ENVIRONMENT)
-	$(BIN)/python -m pytest tests/test_pages.py
+	$(BIN)/python -m pytest --numprocesses=auto --maxprocesses=4 --dist=loadgroup tests/test_pages.py
 
 bench: $(ENVIRONMENT)
 	$(BIN)/python benchmarks/run.py

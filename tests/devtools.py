@@ -18,6 +18,14 @@ FLAGS = """--headless --no-sandbox --disable-gpu --disable-dev-shm-usage --disab
 # Chromium reads commands from file descriptor 3 and writes answers and events to 4: our ends are its stdin and stdout.
 LAUNCH = 'exec "$0" "$@" 3<&0 4>&1 0</dev/null 1>&2'
 
+# Two frames, in which events of media and size reach the page; then the end of the transitions that they began.
+DRAWN = """(async () => {
+  for (let i = 0; i < 2; i++) await new Promise(requestAnimationFrame);
+  const transitions = document.getAnimations().filter(a => a instanceof CSSTransition);
+  await Promise.allSettled(transitions.map(a => a.finished));
+  return true;
+})()"""
+
 
 class Browser:
     """One tab. ``open`` a page, ``evaluate`` expressions in it, then ask for its ``complaints``."""
@@ -44,13 +52,21 @@ class Browser:
     def open(self, url: str, scheme: str = "light", width: int = 1280) -> None:
         """Load a page anew and wait until its scripts, MathJax among them, have done their work."""
         self.events.clear()
-        self._call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
-        self._call("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
+        self._emulate(scheme, width)
         loader = self._call("Page.navigate", url=url)["loaderId"]
         if not any(_loaded(event, loader) for event in self.events):
             self._wait(lambda message: _loaded(message, loader))
         self.evaluate("Promise.resolve(window.MathJax && MathJax.startup && MathJax.startup.promise).then(() => true)")
         self.evaluate("new Promise(done => setTimeout(done, 150))")
+
+    def show(self, scheme: str = "light", width: int = 1280) -> None:
+        """Change colour scheme and width under the open page and wait until it is drawn anew, transitions included."""
+        self._emulate(scheme, width)
+        self.evaluate(DRAWN)
+
+    def _emulate(self, scheme: str, width: int) -> None:
+        self._call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
+        self._call("Emulation.setDeviceMetricsOverride", width=width, height=900, deviceScaleFactor=1, mobile=False)
 
     def evaluate(self, script: str):
         """Value of an expression in the page; a promise is awaited."""

@@ -1,4 +1,4 @@
-"""What the book's build adds to Sphinx: the name of the execution cache, and the figures of executed notebooks."""
+"""What the book's build adds to Sphinx: the cache of executed notebooks, their execution, and their figures."""
 
 import base64
 import importlib.util
@@ -64,6 +64,68 @@ def test_old_caches_are_removed(tmp_path):
         os.utime(tmp_path / name, (1e9 - age, 1e9 - age))
     cache = build.open_cache(tmp_path)
     assert {p.name for p in tmp_path.iterdir()} == {cache.name, "newest", "older"}
+
+
+@pytest.fixture
+def executions(tmp_path, monkeypatch):
+    """Two at a time, with an executor that takes no kernel: a cell that says `raise` fails, any other prints itself."""
+    pytest.importorskip("sphinx")
+    pytest.importorskip("myst_nb")
+    from jupyter_cache import get_cache
+    from jupyter_cache.executors import utils
+
+    def execute(notebook, cwd, timeout, allow_errors):
+        cell = notebook.cells[-1]
+        cell.outputs = [nbformat.v4.new_output("stream", text=cell.source)]
+        return utils.ExecutionResult(notebook, cwd, 1.0, err=RuntimeError() if "raise" in cell.source else None)
+
+    nbformat = pytest.importorskip("nbformat")
+    monkeypatch.setattr(utils, "single_nb_execution", execute)
+    execution = load(BOOK / "_ext" / "fogkit_execution.py")
+    running = execution.Executions(get_cache(tmp_path / "cache"), timeout=60, workers=2)
+    yield execution, running, lambda code: nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(code)])
+    running.cancel()
+
+
+def test_only_what_was_executed_without_an_error_is_kept(executions, tmp_path):
+    from jupyter_cache import get_cache
+
+    _, running, make = executions
+    cache = get_cache(tmp_path / "cache")
+    for name, code in (("good", "1"), ("bad", "raise"), ("unread", "2")):
+        running.start(name, tmp_path / f"{name}.md", make(code))
+    for name in ("good", "bad", "page without cells"):
+        running.finish(name)
+    assert cache.merge_match_into_notebook(make("1"))[1].cells[0].outputs[0].text == "1"
+    for code in ("raise", "2"):
+        with pytest.raises(KeyError):
+            cache.match_cache_notebook(make(code))
+
+
+def test_only_notebooks_that_the_cache_does_not_hold_are_stale(executions, tmp_path):
+    from jupyter_cache import get_cache
+    from myst_nb.core.config import NbParserConfig
+    from myst_parser.config.main import MdParserConfig
+
+    execution, running, _ = executions
+    head = "---\njupytext:\n  text_representation:\n    format_name: myst\nkernelspec:\n  name: python3\n---\n"
+    cells = {name: head + f"# {name}\n\n```{{code-cell}} ipython3\n{name}\n```\n" for name in ("kept", "new")}
+    paths = {name: tmp_path / f"{name}.md" for name in ("kept", "new", "prose")}
+    for name, path in paths.items():
+        path.write_text(cells.get(name, "# Prose\n"), encoding="utf-8")
+
+    def stale():
+        cache = get_cache(tmp_path / "cache")
+        return execution.stale_notebooks(paths, MdParserConfig(), NbParserConfig(), cache)
+
+    found = stale()
+    assert set(found) == {"kept", "new"}
+    running.start("kept", paths["kept"], found["kept"])
+    running.finish("kept")
+    assert set(stale()) == {"new"}
+    paths["kept"].write_text(cells["kept"].replace("\nkept\n", "\nedited\n"), encoding="utf-8")
+    assert set(stale()) == {"kept", "new"}
+    assert execution.seconds_before(tmp_path) == {str(paths["kept"]): 1.0}
 
 
 def notebook(path: Path, *cells: tuple[dict, int]) -> Path:

@@ -1,6 +1,7 @@
 """The built book as a reader meets it: its files, and its pages in a browser without a network, light and dark.
 
 Build first (`make book`), then `make pages`. Nothing here builds anything: what is missing is the reason of a skip.
+Several processes share the work, each with a browser of its own; the tests of the files stay together, in one of them.
 """
 
 import json
@@ -28,6 +29,7 @@ PAGES = [page for page in PAGES if page not in MADE_BY_SPHINX] if BUILT else ["n
 pytestmark = pytest.mark.skipif(not BUILT, reason="the book is not built: `make book` first")
 in_browser = pytest.mark.skipif(CHROMIUM is None, reason="Chromium is not installed (Debian: apt-get install chromium)")
 each_page = pytest.mark.parametrize("page", PAGES)
+of_files = pytest.mark.xdist_group("files")
 
 
 # The files: no browser needed
@@ -99,17 +101,20 @@ def page_at(path: Path) -> str:
     return path.relative_to(HTML).with_suffix("").as_posix()
 
 
+@of_files
 def test_nothing_is_loaded_from_elsewhere(pages):
     assert [(name, url) for name, page in pages.items() for url in page.loads if ELSEWHERE.match(url)] == []
     for sheet in HTML.rglob("*.css"):
         assert not re.search(r"(url\(|@import)\s*['\"]?(https?:)?//", sheet.read_text(encoding="utf-8")), sheet
 
 
+@of_files
 def test_every_file_that_a_page_loads_is_there(pages):
     loads = [(name, url) for name, page in pages.items() for url in page.loads if not url.startswith("data:")]
     assert [(name, url) for name, url in loads if not target(name, url)[0].is_file()] == []
 
 
+@of_files
 def test_every_link_inside_the_book_leads_somewhere(pages):
     dead = []
     for name, page in pages.items():
@@ -125,6 +130,7 @@ def test_every_link_inside_the_book_leads_somewhere(pages):
     assert dead == []
 
 
+@of_files
 def test_every_page_of_the_contents_is_built_and_every_built_page_is_reached(pages):
     assert set(toc_pages()) <= set(PAGES)
     reached, new = set(), {"index", toc_pages()[0]}
@@ -135,12 +141,14 @@ def test_every_page_of_the_contents_is_built_and_every_built_page_is_reached(pag
     assert set(PAGES) - reached == set()
 
 
+@of_files
 def test_every_public_module_has_a_page():
     names = ["fogkit", *(m.name for m in pkgutil.walk_packages(fogkit.__path__, "fogkit."))]
     public = {name for name in names if not any(part.startswith("_") for part in name.split("."))}
     assert {f"api/{name}" for name in public} - set(PAGES) == set()
 
 
+@of_files
 def test_the_search_index_covers_every_page():
     text = (HTML / "searchindex.js").read_text(encoding="utf-8")
     index = json.loads(text[text.index("(") + 1 : text.rindex(")")])
@@ -148,6 +156,7 @@ def test_the_search_index_covers_every_page():
     assert "gyro" in index["terms"]
 
 
+@of_files
 @each_page
 def test_no_markup_is_left_in_the_prose(pages, page):
     assert LEFT_MARKUP.findall(" ".join(pages[page].prose)) == []
@@ -197,49 +206,66 @@ PROSE = """(() => {
   return article.textContent;
 })()"""
 
-TOO_WIDE = """[...document.querySelectorAll("article *")]
-  .filter(e => e.checkVisibility() && e.getBoundingClientRect().right > innerWidth + 1)
-  .map(e => `${e.tagName}.${e.className}: ${e.textContent.trim().slice(0, 40)}`).slice(0, 5)"""
+# What makes the page wider than its window: what reaches beyond it and does not scroll in a box of its own.
+TOO_WIDE = """(() => {
+  if (document.documentElement.scrollWidth <= innerWidth + 1) return [];
+  const scrolls = e => ["auto", "scroll", "hidden"].includes(getComputedStyle(e).overflowX);
+  const inBox = e => { while ((e = e.parentElement) && e.tagName !== "ARTICLE") if (scrolls(e)) return true; };
+  const wide = [...document.querySelectorAll("article *")]
+    .filter(e => e.checkVisibility() && e.getBoundingClientRect().right > innerWidth + 1 && !inBox(e))
+    .map(e => `${e.tagName}.${e.className}: ${e.textContent.trim().slice(0, 40)}`);
+  return [`${document.documentElement.scrollWidth} px`, ...wide.slice(-5)];
+})()"""
 
 WIDE_EQUATIONS = """[...document.querySelectorAll("article div.math mjx-container")]
   .filter(e => e.scrollWidth > e.clientWidth + 1).map(e => e.parentElement.textContent.trim().slice(0, 40))"""
 
+UNDRAWN = """[...document.querySelectorAll(".math")].filter(e => !e.querySelector("mjx-container"))
+  .map(e => e.textContent.trim().slice(0, 40))"""
+
+MATHS_ERRORS = "[...document.querySelectorAll('mjx-merror, [data-mjx-error]')].map(e => e.textContent)"
+MISSING_IMAGES = "[...document.images].filter(i => !(i.complete && i.naturalWidth)).map(i => i.src)"
+
+# Figures are drawn in dark ink on white.
+SHEETS_NOT_WHITE = """[...document.querySelectorAll("article .cell_output img")]
+  .map(image => getComputedStyle(image).backgroundColor).filter(colour => colour !== "rgb(255, 255, 255)")"""
+
 # Each solution that hides, clicked: does it grow?
-SOLUTIONS_OPEN = """[...document.querySelectorAll(".admonition.dropdown")].map(box => {
-  const height = box.offsetHeight; box.querySelector(".toggle-button").click(); return box.offsetHeight > height; })"""
+SOLUTIONS_THAT_STAY_SHUT = """[...document.querySelectorAll(".admonition.dropdown")].filter(box => {
+  const height = box.offsetHeight; box.querySelector(".toggle-button").click(); return box.offsetHeight <= height;
+}).map(box => box.textContent.trim().slice(0, 40))"""
+
+ANYHOW = {
+    "equations shown as their source": UNDRAWN,
+    "errors of MathJax": MATHS_ERRORS,
+    "images that did not load": MISSING_IMAGES,
+    "equations wider than their line": WIDE_EQUATIONS,
+}
 
 
-def fits(browser) -> bool:
-    return browser.evaluate("document.documentElement.scrollWidth <= innerWidth + 1")
-
-
-@in_browser
-@each_page
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_page_in_browser(browser, page, scheme):
-    browser.open(address(page), scheme)
-    assert browser.evaluate("document.documentElement.dataset.theme") == scheme
-    drawn = browser.evaluate("[...document.querySelectorAll('.math')].map(e => !!e.querySelector('mjx-container'))")
-    assert all(drawn), "an equation is shown as its source"
-    assert LEFT_MARKUP.findall(browser.evaluate(PROSE)) == []
-    assert browser.evaluate("document.querySelectorAll('mjx-merror, [data-mjx-error]').length") == 0
-    assert browser.evaluate("[...document.images].filter(i => !(i.complete && i.naturalWidth)).map(i => i.src)") == []
-    assert browser.evaluate(FAINT_TEXT) == []
-    assert fits(browser), browser.evaluate(TOO_WIDE)
-    assert browser.evaluate(WIDE_EQUATIONS) == []
-    if scheme == "dark":  # figures are drawn in dark ink on white
-        figures = "[...document.querySelectorAll('article .cell_output img')]"
-        sheets = browser.evaluate(f"{figures}.map(image => getComputedStyle(image).backgroundColor)")
-        assert set(sheets) <= {"rgb(255, 255, 255)"}
-    assert all(browser.evaluate(SOLUTIONS_OPEN)), "a hidden solution does not open"
-    assert browser.complaints() == []
+def faults(browser, checks: dict[str, str], when: str) -> list[tuple]:
+    """What was found of each kind, with the state of the window."""
+    return [(when, kind, found) for kind, script in checks.items() if (found := browser.evaluate(script))]
 
 
 @in_browser
 @each_page
-def test_page_fits_a_narrow_window(browser, page):
-    browser.open(address(page), width=600)
-    assert fits(browser), browser.evaluate(TOO_WIDE)
+def test_page_in_browser(browser, page):
+    """Opened once: light, then dark, then in a narrow window, then with its solutions open."""
+    browser.open(address(page), "light")
+    found = faults(browser, ANYHOW, "light")
+    found += [("light", "markup in the prose", left) for left in LEFT_MARKUP.findall(browser.evaluate(PROSE))]
+    for scheme in ("light", "dark"):
+        browser.show(scheme)
+        assert browser.evaluate("document.documentElement.dataset.theme") == scheme
+        found += faults(browser, {"faint text": FAINT_TEXT, "too wide": TOO_WIDE}, scheme)
+    found += faults(browser, {"figures without a white sheet": SHEETS_NOT_WHITE}, "dark")
+    browser.show("light", width=600)
+    found += faults(browser, {"too wide": TOO_WIDE}, "600 px")
+    browser.show("light")
+    found += faults(browser, {"solutions that do not open": SOLUTIONS_THAT_STAY_SHUT}, "light")
+    found += [("console", complaint) for complaint in browser.complaints()]
+    assert not found, "\n".join(map(str, ["", *found]))
 
 
 @in_browser
@@ -256,11 +282,20 @@ def test_search_finds_pages_without_a_network(browser):
 
 
 @in_browser
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_a_page_opens_in_the_scheme_of_the_reader(browser, scheme):
+    browser.open(address(toc_pages()[0]), scheme)
+    assert browser.evaluate("document.documentElement.dataset.theme") == scheme
+    assert browser.complaints() == []
+
+
+@in_browser
 def test_the_reader_can_change_light_and_dark(browser):
     browser.open(address(toc_pages()[0]), "light")
     seen = set()
     for _ in range(3):
         browser.evaluate("document.querySelector('.theme-switch-button').click()")
         seen.add(browser.evaluate("document.documentElement.dataset.theme"))
+    browser.evaluate("localStorage.clear()")  # the choice is kept, and would be that of the pages opened after this one
     assert seen == {"light", "dark"}
     assert browser.complaints() == []

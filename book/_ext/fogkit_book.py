@@ -1,5 +1,6 @@
 """What this book needs of Sphinx beyond `_config.yml`: executed cells that are never stale, figures in two formats,
-executed notebooks to download, and docstrings that cite the reference list of their module.
+executed notebooks to download, and docstrings that cite the reference list of their module. The notebooks are executed
+by `fogkit_execution.py`.
 
 The execution cache of MyST-NB is keyed on the cells alone: after an edit in `src` or `data` nothing would be run again,
 and the old numbers would stay on the pages. The cache therefore lives in a folder named after a hash of all that a cell
@@ -30,8 +31,8 @@ c.InteractiveShellApp.exec_lines = ["__import__('os').environ['SOURCE_DATE_EPOCH
 def fingerprint(root: Path = ROOT) -> str:
     """Hash of the package, the data, the pinned versions and the interpreter: what the output of a cell depends on."""
     digest = hashlib.sha256(f"python {sys.version_info.major}.{sys.version_info.minor}".encode())
-    files = [root / "requirements.lock", root / "book" / "_ext" / "fogkit_book.py"]
-    for folder in ("src", "data"):
+    files = [root / "requirements.lock"]
+    for folder in ("src", "data", "book/_ext"):
         files += sorted(p for p in (root / folder).rglob("*") if p.is_file() and "__pycache__" not in p.parts)
     for path in files:
         digest.update(f"\n{path.relative_to(root).as_posix()} {hashlib.sha256(path.read_bytes()).hexdigest()}".encode())
@@ -45,7 +46,7 @@ def open_cache(caches: Path = CACHES) -> Path:
     cache = caches / fingerprint()
     cache.mkdir(parents=True, exist_ok=True)
     os.utime(cache)
-    get_cache(cache).list_cache_records()  # made here, once: two readers that create it at the same moment would fail
+    get_cache(cache).list_cache_records()  # made here: its first use creates it
     others = sorted((p for p in caches.iterdir() if p != cache), key=lambda p: p.stat().st_mtime, reverse=True)
     for old in others[KEPT - 1 :]:
         shutil.rmtree(old, ignore_errors=True)

@@ -270,10 +270,14 @@ class _Test:
         if any(states[name].any() for name in SIZES):
             rows = np.linalg.inv(M)  # what each accelerometer reads of a force
             change = np.gradient(dtheta, axis=1) / self.dt  # of the rate in a step
+            square = np.einsum("rki,rki->rk", dtheta, dtheta)
             for sensor, letter in enumerate("yz", start=1):
-                centre = np.stack([states[f"centre_{letter}_{axis}"] for axis in AXES], axis=-1)[:, None, :]
-                added = np.cross(change, centre) + np.cross(dtheta, np.cross(dtheta, centre)) / self.dt
-                read[..., sensor] -= np.einsum("rki,ri->rk", added, rows[:, sensor])
+                centre, row = np.stack([states[f"centre_{letter}_{axis}"] for axis in AXES], axis=-1), rows[:, sensor]
+                # row of change x centre + dtheta x (dtheta x centre) / dt, without a cross product in every step
+                turning = (change @ np.cross(centre, row)[..., None])[..., 0]
+                along = dtheta @ np.stack([row, centre], axis=-1)
+                inwards = along[..., 0] * along[..., 1] - square * (row * centre).sum(axis=-1)[:, None]
+                read[..., sensor] -= turning + inwards / self.dt
         dv = read @ np.swapaxes(M, -1, -2)
         dv += bias("a", parts.accelerometer_bias)
         return dtheta, dv
