@@ -8,6 +8,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.special import jn_zeros
 
+from fogkit.constants import EARTH_RATE
 from fogkit.estimation.consistency import chi_square_interval
 from fogkit.gyrocompass.laws import ConstantSpeedReversal
 from fogkit.reproduction.lechang import latitudes, manoeuvres
@@ -44,14 +45,16 @@ def test_no_latitude_does_better_than_the_bound(stored):
     # where heading is known from the start to less than the bound, the start counts
     found = table[table.bound < 1]
     assert (found.predicted_std > found.bound).all()
-    # the bound falls with cos(lat), by its own formula
-    bounds = table.bound.groupby(["grade", "lat"]).first()
-    assert_allclose(bounds[1.0, 80.0] / bounds[1.0, 0.0], 1 / np.cos(80 * DEG), rtol=1e-12)
+    # N/(omega_ie cos(lat) sqrt(T)) is that without biases; of 180 degrees 5 percent are lost, and at most a factor of
+    # two where the hull may drift
+    grade, lat = (table.index.get_level_values(name).to_numpy() for name in ("grade", "lat"))
+    walk = 0.01e-3 / 34e-3 * DEG * grade
+    best = walk / (EARTH_RATE * np.cos(lat * DEG) * 300**0.5) / DEG
+    assert (table.bound >= best).all() and (table.bound < 2.11 * best).all()
 
 
 def test_a_change_of_velocity_finds_heading_by_itself():
-    # one turn of the velocity by 90 degrees, way and time so short that the Earth's rate says nothing of heading:
-    # heading is the direction of the change, 7.07 m/s, known to what the aid knows of it and tilts leave
+    # turns of the velocity by 90 degrees: heading is the direction of the change, 7.07 m/s, known as the aid knows it
     zigzag = ConstantSpeedReversal(amplitude=45 * DEG, period=100.0, reversal_time=10.0)
     for std in (0.01, 0.1):
         under_way = manoeuvres.end_of(5.0, std, turning=zigzag)["heading_deg"]
