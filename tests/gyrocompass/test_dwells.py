@@ -10,7 +10,7 @@ from fogkit.gyrocompass.dwells import find_dwells
 from fogkit.gyrocompass.filters.records import record
 from fogkit.gyrocompass.laws import QuasiHarmonic
 from fogkit.gyrocompass.motions import Vessel
-from fogkit.gyrocompass.mount_calibration import scale_from_mount
+from fogkit.gyrocompass.mount_scale import scale_from_mount
 from fogkit.gyrocompass.scan import fit_scan, scan_readings
 from fogkit.noise import RandomErrors
 from fogkit.reproduction.lechang import paper, scanning

@@ -1,8 +1,6 @@
 """What becomes of the statements of chapter 4: one function for each, for the ledger."""
 
 import numpy as np
-from scipy.optimize import brentq
-from scipy.stats import norm
 
 from fogkit.gyrocompass.accuracy import accelerometer_share, heading_bound
 from fogkit.gyrocompass.covariance import run_covariance
@@ -70,6 +68,8 @@ def accuracy(known: str = "scan", velocity_std: float = 0.001, sides: int = 2) -
 
 def time_for_accuracy(sides: int = 2, law: str = "harmonic 180") -> float:
     """Time, s, after which the bound of heading is 30 arcmin, the stand known not to turn."""
+    from scipy.optimize import brentq
+
     walk, lat = paper.random_walk_of_the_data_sheet(sides), paper.ASSUMED_LATITUDE
 
     def over(periods: float) -> float:
@@ -81,7 +81,9 @@ def time_for_accuracy(sides: int = 2, law: str = "harmonic 180") -> float:
 
 def chance_within_a_degree(std: float, of_experiment_1: float = 0.0) -> float:
     """Chance that both headings differ by less than a degree, given their standard deviations, rad."""
-    return float(2 * norm.cdf(1 * DEG / np.hypot(std, of_experiment_1)) - 1)
+    from scipy.special import erf
+
+    return float(erf(1 * DEG / np.hypot(std, of_experiment_1) / np.sqrt(2)))
 
 
 def agreement_shows_accuracy() -> bool:

@@ -26,7 +26,7 @@ from fogkit.gyrocompass.filters.records import draw_start, record, take_fixes
 from fogkit.gyrocompass.filters.wander import WanderRun, run_wander
 from fogkit.gyrocompass.laws import ConstantSpeedReversal, MountLaw, QuasiHarmonic
 from fogkit.gyrocompass.motions import Motion, Vessel
-from fogkit.gyrocompass.mount_calibration import scale_from_mount
+from fogkit.gyrocompass.mount_scale import scale_from_mount
 from fogkit.reproduction.lechang import paper, scanning
 from fogkit.units import ARCMIN, DEG, DEG_PER_HOUR, PERCENT
 
@@ -54,7 +54,7 @@ PRIORS = {
     "scan": (0.1 * DEG_PER_HOUR, 0.5 * PERCENT, False),
 }
 """What is known at the start: standard deviations of the biases, rad/s, and of the scale factors, and whether the
-latter are first corrected by the mount's own turns (`fogkit.gyrocompass.mount_calibration`). The data sheet's; table 6,
+latter are first corrected by the mount's own turns (`fogkit.gyrocompass.mount_scale`). The data sheet's; table 6,
 whose last digit of 0.001 deg/s is uncertain by ``3.6/sqrt(12)`` deg/h; a scan of 12 minutes without drift."""
 
 SCALE_BY_MOUNT = 1e-4
