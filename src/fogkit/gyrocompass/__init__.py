@@ -9,7 +9,6 @@ module                  answers
 `laws`                  how does the mount turn, and how fast must it be sampled?
 `gyro_range`            what does a law ask of the gyros?
 `encoder`               what does the mount's angle sensor say of that?
-`mount_scale`           what do the mount's own turns say of scale factors?
 `accuracy`              how well can heading be known at best, under any law?
 `motions`               what does a vessel do, and what do its sensors then read?
 `covariance`            how well is each state known over a motion, with an aid?
@@ -23,5 +22,6 @@ module                  answers
 `design_inputs`         which numbers does a design start from?
 `design_noise`          what is left of gyro noise of any colour under a law?
 `design_laws`           which law is the best within what a mount can do?
+`mount_scale`           what do the turns of the mount say of the gyros' scale factors?
 ======================  ================================================================================================
 """
