@@ -199,6 +199,8 @@ def steady_heading_std(
     checks.instance("law", law, MountLaw)
     duration = checks.positive("duration", duration, "s")
     harmonics = checks.integer("harmonics", harmonics, minimum=1)
+    if not callable(spectrum):
+        raise TypeError(f"`spectrum` must be a function of frequency, got {type(spectrum).__name__}")
     if duration < 5 * law.period:
         raise ValueError(f"`duration` must be at least five periods, {5 * law.period:g} s, got {duration:g}")
     points = max(4 * harmonics, len(_times(law, None)))
@@ -286,6 +288,7 @@ def _prior(name: str, std: float) -> float:
 
 def _times(law: MountLaw, duration: float | None) -> Array:
     """Midpoints of equal steps over a time, close enough for a mean."""
+    checks.instance("law", law, MountLaw)
     duration = law.period if duration is None else checks.positive("duration", duration, "s")
     points = max(_POINTS, int(np.ceil(law.max_rate * duration / _STEP)))
     return duration * (np.arange(points) + 0.5) / points

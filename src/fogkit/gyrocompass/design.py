@@ -148,6 +148,9 @@ def heading_accuracy(
     checks.instance("gyro", gyro, GyroGrade)
     checks.instance("mount", mount, (MountLimits, MountLaw))
     duration = checks.positive("duration", duration, "s")
+    level_std = checks.non_negative("level_std", level_std, "rad")
+    heading_fixed = checks.instance("heading_fixed", heading_fixed, bool)
+    walk = checks.non_negative("velocity_random_walk", velocity_random_walk, "m/s/sqrt(s)")
     if aid is not None:
         checks.instance("aid", aid, Aid)
         if heading_fixed:
@@ -162,7 +165,7 @@ def heading_accuracy(
     budget = {name: float(np.sqrt(found.variances[name])) for name in PARTS}
     budget["level"] = accelerometer_share(lat, level_std)
     budget["encoder"] = 0.0 if encoder is None else abs(encoder_share(law, encoder, duration))
-    budget["aid"] = 0.0 if aid is None else aid_share(gyro, law, lat, duration, aid, velocity_random_walk)
+    budget["aid"] = 0.0 if aid is None else aid_share(gyro, law, lat, duration, aid, walk)
     std = float(np.sqrt(np.sum(np.square(list(budget.values())))))
     result = HeadingAccuracy(std=std, budget=budget, law=law, mean_direction=found.mean_direction)
     _warn(result, gyro, lat, duration, hull_rates)
@@ -227,6 +230,7 @@ def walk_for(
         If the other errors alone are larger; the message names the largest.
     """
     accuracy = checks.positive("accuracy", accuracy, "rad")
+    checks.instance("gyro", gyro, GyroGrade)
 
     def found(log_walk: float) -> HeadingAccuracy:
         with warnings.catch_warnings():
@@ -277,7 +281,8 @@ def time_for(
     Raises
     ------
     ValueError
-        If it is not reached within `longest`; the message names the largest part then.
+        If it is not reached within `longest`, the message naming the largest part then, or `longest` is less than a
+        period of the law.
     """
     accuracy = checks.positive("accuracy", accuracy, "rad")
     longest = checks.positive("longest", longest, "s")
@@ -294,7 +299,9 @@ def time_for(
             return False
 
     if isinstance(mount, MountLaw):
-        longest = mount.period * max(int(longest / mount.period), 1)
+        if longest < mount.period:
+            raise ValueError(f"`longest` must be a period of the law at least, {mount.period:g} s, got {longest:g} s")
+        longest = mount.period * int(longest / mount.period)
     end = found(longest)
     if end.std > accuracy:
         raise ValueError(
