@@ -214,13 +214,13 @@ def steady_heading_std(
     return float(1 / np.sqrt(information)) if information > 0 else np.inf
 
 
-def accelerometer_share(lat: float, tilt_std: float) -> float:
-    """Standard deviation of heading, rad, from tilts known to `tilt_std`, rad: ``tan(lat) * tilt_std`` under any law.
+def accelerometer_share(lat: float, level_std: float) -> float:
+    """Standard deviation of heading, rad, from tilts known to `level_std`, rad: ``tan(lat) * level_std`` under any law.
 
     A tilt about north takes ``omega_ie sin(lat)`` into the east, where heading is read off. Accelerometers on the hull
     leave a tilt of their bias over gravity, which the mount does not turn.
     """
-    return float(abs(np.tan(_latitude(lat))) * checks.non_negative("tilt_std", tilt_std, "rad"))
+    return float(abs(np.tan(_latitude(lat))) * checks.non_negative("level_std", level_std, "rad"))
 
 
 def encoder_share(law: MountLaw, encoder: Encoder, duration: float) -> float:
