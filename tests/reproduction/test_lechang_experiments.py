@@ -225,3 +225,13 @@ def test_asymmetry_that_the_experiment_may_have():
     found = heading_accuracy(gyro, law, LAT, paper.EXPERIMENT_TIME, heading_fixed=True)
     # the design leaves the Earth's rate out of what a gyro's asymmetry sees: 1e-3 of the mount's rate
     assert found.budget["asymmetry"] == pytest.approx(paper.EXPERIMENT_ACCURACY, rel=1e-3)
+
+
+def test_shares_that_the_ledger_states(stored):
+    share = 100 * experiments.within(stored).share["harmonic 180"]
+    best = [share["scan", 0.001, sides] for sides in (2, 1)]
+    sheet = [share["data sheet, mount", std, 2] for std in (0.001, 0.01, 0.1)]
+    note = {claim.id: claim.note for claim in claims.load("lechang")}["lechang-exp2-accuracy"]
+    assert (
+        "are {:.0f} % of 100 runs ({:.0f} % one-sided), then {:.0f}, {:.0f} and {:.0f} %".format(*best, *sheet) in note
+    )
