@@ -30,7 +30,7 @@ def test_stored_runs_are_those_of_the_function():
 
 
 def test_a_yawing_hull_reads_what_one_does_that_turns_where_it_lies():
-    # at rest, where course says nothing: a hull that turns clockwise by a law, and a mount counter-clockwise by the same
+    # at rest, where course says nothing: a hull turns clockwise by a law, its mount counter-clockwise by the same
     dt, sway, quiet = 0.01, QuasiHarmonic(amplitude=5 * DEG, period=10.0), Noise(angle_random_walk=0.0)
     hull = Vessel(lat=1.0, heading=0.7)
     turned = record(replace(hull, turning=sway).motion(20.0, dt, sway), quiet, np.random.default_rng(0))
