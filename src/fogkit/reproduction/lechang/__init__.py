@@ -27,6 +27,7 @@ module                 answers
 `filtering`            what do the filters find over many seeds, and which may be believed?
 `latitudes`            is the filter consistent from the equator to near a pole, at rest and under way?
 `manoeuvres`           what does a turn of the vessel do, against rocking?
+`course`               may the filter take the velocity to turn with the hull?
 `scanning`             what can the static scan say, and does drift explain table 6?
 `experiments`          how often does the second experiment meet 30 arcmin?
 `experiment_verdicts`  do the claims of chapter 4 hold?
