@@ -8,7 +8,8 @@ import pytest
 
 from fogkit.gyrocompass.accuracy import heading_bound, mean_direction, steady_heading_std
 from fogkit.gyrocompass.covariance import Aid, Noise, Prior, run_covariance
-from fogkit.gyrocompass.design import heading_accuracy, time_for, walk_for
+from fogkit.gyrocompass.design import heading_accuracy
+from fogkit.gyrocompass.design_needs import time_for, walk_for
 from fogkit.gyrocompass.design_inputs import GyroGrade, MountLimits
 from fogkit.gyrocompass.design_laws import best_law
 from fogkit.gyrocompass.dwells import find_dwells
