@@ -146,6 +146,9 @@ def heading_accuracy(
     checks.instance("gyro", gyro, GyroGrade)
     checks.instance("mount", mount, (MountLimits, MountLaw))
     duration = checks.positive("duration", duration, "s")
+    level_std = checks.non_negative("level_std", level_std, "rad")
+    heading_fixed = checks.instance("heading_fixed", heading_fixed, bool)
+    walk = checks.non_negative("velocity_random_walk", velocity_random_walk, "m/s/sqrt(s)")
     if aid is not None:
         checks.instance("aid", aid, Aid)
         if heading_fixed:
@@ -160,7 +163,7 @@ def heading_accuracy(
     budget = {name: float(np.sqrt(found.variances[name])) for name in PARTS}
     budget["level"] = accelerometer_share(lat, level_std)
     budget["encoder"] = 0.0 if encoder is None else abs(encoder_share(law, encoder, duration))
-    budget["aid"] = 0.0 if aid is None else aid_share(gyro, law, lat, duration, aid, velocity_random_walk)
+    budget["aid"] = 0.0 if aid is None else aid_share(gyro, law, lat, duration, aid, walk)
     std = float(np.sqrt(np.sum(np.square(list(budget.values())))))
     result = HeadingAccuracy(std=std, budget=budget, law=law, mean_direction=found.mean_direction)
     _warn(result, gyro, lat, duration, hull_rates)

@@ -42,6 +42,7 @@ def walk_for(
         If the other errors alone are larger; the message names the largest.
     """
     accuracy = checks.positive("accuracy", accuracy, "rad")
+    checks.instance("gyro", gyro, GyroGrade)
 
     def found(log_walk: float) -> HeadingAccuracy:
         with warnings.catch_warnings():
@@ -92,7 +93,8 @@ def time_for(
     Raises
     ------
     ValueError
-        If it is not reached within `longest`; the message names the largest part then.
+        If it is not reached within `longest`, the message naming the largest part then, or `longest` is less than a
+        period of the law.
     """
     accuracy = checks.positive("accuracy", accuracy, "rad")
     longest = checks.positive("longest", longest, "s")
@@ -109,7 +111,9 @@ def time_for(
             return False
 
     if isinstance(mount, MountLaw):
-        longest = mount.period * max(int(longest / mount.period), 1)
+        if longest < mount.period:
+            raise ValueError(f"`longest` must be a period of the law at least, {mount.period:g} s, got {longest:g} s")
+        longest = mount.period * int(longest / mount.period)
     end = found(longest)
     if end.std > accuracy:
         raise ValueError(

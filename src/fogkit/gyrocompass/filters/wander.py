@@ -107,6 +107,8 @@ def _run(recording, fixes, noise, start, prior, heading_known, output_interval, 
     """The run, and what a smoother needs of it."""
     steps = fix_steps(recording, fixes)
     keep = multiple("output_interval", checks.positive("output_interval", output_interval, "s"), recording.dt)
+    heading_known = checks.instance("heading_known", heading_known, bool)
+    follows = checks.instance("course_follows_heading", follows, bool)
     if smooth and (steps % keep).any():
         raise ValueError("`output_interval` must divide the times of all `fixes` for the smoother")
     prior = checks.instance("prior", Prior() if prior is None else prior, Prior)
