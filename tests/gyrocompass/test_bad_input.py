@@ -9,9 +9,9 @@ import pytest
 from fogkit.gyrocompass.accuracy import heading_bound, mean_direction, steady_heading_std
 from fogkit.gyrocompass.covariance import Aid, Noise, Prior, run_covariance
 from fogkit.gyrocompass.design import heading_accuracy
-from fogkit.gyrocompass.design_needs import time_for, walk_for
 from fogkit.gyrocompass.design_inputs import GyroGrade, MountLimits
 from fogkit.gyrocompass.design_laws import best_law
+from fogkit.gyrocompass.design_needs import time_for, walk_for
 from fogkit.gyrocompass.dwells import find_dwells
 from fogkit.gyrocompass.filters.extended import run_extended
 from fogkit.gyrocompass.filters.records import Fixes, Recording, draw_start, record, take_fixes
