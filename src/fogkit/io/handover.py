@@ -31,9 +31,6 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
-SETTLE = 1.0
-"""Time left out at both ends of a segment, s, where it is longer than planned by more."""
-
 
 def placed(recording: Recording, segmentation: Segmentation, schedule: Schedule) -> tuple["DataFrame", Schedule]:
     """Table with labels of positions, for `fogkit.stand.observations`, and the schedule as it was carried out.
@@ -63,11 +60,10 @@ def placed(recording: Recording, segmentation: Segmentation, schedule: Schedule)
     checks.instance("schedule", schedule, Schedule)
     if not recording.has_accelerometers:
         raise RecordingError("a calibration in positions needs accelerometers, got a recording of gyros only")
-    time = recording.table.index.to_numpy(dtype=float)
-    labels = np.full(len(time), None, dtype=object)
+    labels = np.full(len(recording.table), None, dtype=object)
     done = []
     for placement, segment in zip(schedule.placements, _named(segmentation, schedule.labels), strict=True):
-        first, last = _samples(time, recording.dt, segment, placement.duration)
+        first, last = _samples(recording, segmentation, segment, placement.duration)
         labels[first:last] = placement.label
         done.append(replace(placement, duration=(last - first) * recording.dt))
     table = recording.table[[*GYRO_COLUMNS, *ACCEL_COLUMNS]].assign(position=labels)
@@ -102,12 +98,11 @@ def bench_record(recording: Recording, segmentation: Segmentation, plan: Plan) -
         raise RecordingError("a calibration in three stages needs the angle of the table: describe its column")
     if recording.description.latitude is None:
         raise RecordingError("a calibration in three stages needs the latitude: give it in [place]")
-    time = recording.table.index.to_numpy(dtype=float)
     gyro = recording.table[list(GYRO_COLUMNS)].to_numpy()
     angle = recording.table["angle"].to_numpy()
     segments, readings, turned = [], [], []
     for step, found in zip(plan.segments, _named(segmentation, [s.label for s in plan.segments]), strict=True):
-        first, last = _samples(time, recording.dt, found, step.duration)
+        first, last = _samples(recording, segmentation, found, step.duration)
         if step.turning is not None:
             last = _whole_turns(angle, first, last, step.label)
         readings.append(gyro[first:last].mean(axis=0))
@@ -174,7 +169,7 @@ def dwell_means(recording: Recording, segmentation: Segmentation) -> "DataFrame"
     rows, names = [], []
     for segment in segmentation.segments:
         if segment.kind == "dwell" and (segment.label or not segmentation.steps):
-            first, last = _samples(time, recording.dt, segment, segment.duration)
+            first, last = _samples(recording, segmentation, segment, segment.duration)
             means = recording.table[numbers].iloc[first:last].mean()
             rows.append({"begin": float(time[first]), "duration": (last - first) * recording.dt, **means})
             names.append(segment.label)
@@ -191,14 +186,19 @@ def _named(segmentation: Segmentation, labels: list[str]) -> list[FoundSegment]:
     return [found[label] for label in labels]
 
 
-def _samples(time: Array, dt: float, segment: FoundSegment, planned: float) -> tuple[int, int]:
-    """First sample of a segment and the one after the last: all of it, or its middle as long as planned."""
+def _samples(
+    recording: Recording, segmentation: Segmentation, segment: FoundSegment, planned: float
+) -> tuple[int, int]:
+    """First sample of a segment and the one after the last: its middle, as long as planned if it is that long.
+
+    A window at each end is left out where limits were found and not given: part of it may be motion.
+    """
+    time, dt = recording.table.index.to_numpy(dtype=float), recording.dt
     spare = max(0.0, segment.duration - planned) / 2
-    if spare > SETTLE:
-        spare = max(SETTLE, spare)
+    if not segmentation.exact:
+        spare = max(spare, segmentation.windows.duration)
     first = int(np.searchsorted(time, segment.begin + spare - 1e-6 * dt))
     last = int(np.searchsorted(time, segment.end - spare - dt + 1e-6 * dt, side="right"))
-    last = min(last, len(time))
     if last - first < 2:
         raise RecordingError(f"step {segment.label!r} has fewer than 2 samples at this rate")
     return first, last
@@ -219,8 +219,8 @@ def _middle_of_turn(recording: Recording, found: FoundSegment, test: TurnTest) -
     margin = 0.5 * test.turn_duration
     first, last = np.searchsorted(time, [found.begin - margin, found.end + margin])
     along = recording.table[list(GYRO_COLUMNS)].to_numpy()[first:last] @ test.axis
-    rest = np.median(along[np.abs(along) <= np.median(np.abs(along))]) if len(along) else 0.0
-    moving = np.abs(along) > 0.1 * np.linalg.norm(found.rate)
-    done = np.cumsum(np.where(moving, along - (0.0 if moving.mean() > 0.5 else rest), 0.0))
+    along = np.where(np.abs(along) > 0.1 * np.linalg.norm(found.rate), along, 0.0)  # ramps in, drifts out
+    done = np.cumsum(along)
     half = int(np.searchsorted(np.abs(done), 0.5 * np.abs(done[-1])))
-    return float(time[first + half])
+    share = (0.5 * done[-1] - (done[half] - along[half])) / along[half]  # of the sample in which it is reached
+    return float(time[first + half] + share * recording.dt)

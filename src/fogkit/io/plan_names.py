@@ -222,7 +222,7 @@ def steps(plan: AnyPlan) -> tuple[Step, ...]:
             for i, p in enumerate(plan.placements)
         )
     if isinstance(plan, MountScan):
-        plan = _tests_of_scan(plan)
+        return _of_scan(plan)
     return _of_tests(tuple(checks.instance("plan", test, TurnTest) for test in plan))
 
 
@@ -257,20 +257,18 @@ def _of_tests(tests: Sequence[TurnTest]) -> tuple[Step, ...]:
     return tuple(found)
 
 
-def _tests_of_scan(scan: MountScan) -> list[TurnTest]:
+def _of_scan(scan: MountScan) -> tuple[Step, ...]:
     axis = np.eye(3)["xyz".index(scan.axis)]
     C_b_n = placements.attitude(scan.start)
-    return [
-        TurnTest(
-            label=f"{i + 1} to {i + 2}",
-            C_b_n=C_b_n @ dcm_from_rotvec(axis * first),
-            axis=axis,
-            angle=second - first,
-            dwell=scan.dwell,
-            turn_duration=scan.turn_duration,
-        )
-        for i, (first, second) in enumerate(zip(scan.angles[:-1], scan.angles[1:], strict=True))
-    ]
+    found: list[Step] = []
+    for i, angle in enumerate(scan.angles):
+        if i:
+            rate = _vector(axis * (angle - scan.angles[i - 1]) / scan.turn_duration)
+            up = found[-1].up
+            found.append(Step(label=f"turn {i}", duration=scan.turn_duration, rate=rate, up=up, part=i))
+        up = _vector((C_b_n @ dcm_from_rotvec(axis * angle))[2])
+        found.append(Step(label=f"dwell {i + 1}", duration=scan.dwell, rate=(0.0, 0.0, 0.0), up=up, part=i))
+    return tuple(found)
 
 
 def _vector(values: Any) -> Vector:

@@ -114,12 +114,15 @@ class Segmentation:
         Means of which the segments consist.
     steps : tuple of Step
         Those of the plan; empty without one.
+    exact : bool
+        Whether the limits are those of the recording's own labels; else they are good to a window.
     """
 
     segments: tuple[FoundSegment, ...]
     verdict: Verdict
     windows: Windows
     steps: tuple[Step, ...]
+    exact: bool = False
 
     def __repr__(self) -> str:
         dwells = sum(s.kind == "dwell" for s in self.segments)
@@ -177,7 +180,7 @@ class Segmentation:
 
 
 def label_runs(block: Block, before: Sequence[LabelRun] = ()) -> list[LabelRun] | None:
-    """Positions that a recording names, as they follow one another, with those of the blocks before; None if none is."""
+    """Positions that a recording names, in order, with those of the blocks before; None if it has no labels."""
     if block.labels is None:
         return None
     runs, labels = list(before), block.labels
@@ -317,7 +320,9 @@ def _by_labels(
         findings += [f for f in _against_plan(found, expected, pairs) if f.severity != "good" or not findings]
     else:
         findings = findings or [Finding(check="plan", severity="good", text=f"{len(found)} positions by their labels")]
-    return Segmentation(segments=tuple(found), verdict=Verdict(findings), windows=windows, steps=tuple(expected))
+    return Segmentation(
+        segments=tuple(found), verdict=Verdict(findings), windows=windows, steps=tuple(expected), exact=True
+    )
 
 
 def _tolerance(gyro: Array, expected: Sequence[Step]) -> float:
