@@ -8,7 +8,12 @@ LAST, RUN, LONGEST, LONGEST_AT, REPEATS, COUNT, BAD, BAD_AT = range(8)
 MAX, MAX_COUNT, NEXT_MAX, NEXT_MAX_COUNT, MAX_RUN = range(8, 13)
 MIN, MIN_COUNT, NEXT_MIN, NEXT_MIN_COUNT, MIN_RUN = range(13, 18)
 HUGE, HUGE_AT = 18, 19
-WIDTH = 20
+SCALE, BEFORE, SPIKES, SPIKE_AT, SPIKE_SIZE = range(20, 25)
+LAST_GOOD = 25
+WIDTH = 26
+
+SETTLING = 64.0  # samples over which the usual change between two samples is taken
+SPIKE = 30.0  # times the usual change: there and back again
 
 
 @njit(cache=True, nogil=True)
@@ -36,6 +41,21 @@ def scan(values, first, limits, state):
                     s[HUGE_AT] = first + i
                 s[HUGE] += 1
             s[COUNT] += 1
+            if s[COUNT] > 1:  # NaN before: no change known
+                change = v - s[LAST_GOOD]
+                scale = s[SCALE]
+                if s[COUNT] > SETTLING and s[BEFORE] * change < 0:
+                    size = min(abs(change), abs(s[BEFORE]))
+                    if size > SPIKE * scale and abs(change + s[BEFORE]) < 0.5 * size:
+                        if s[SPIKES] == 0:
+                            s[SPIKE_AT] = first + i - 1
+                        s[SPIKES] += 1
+                        s[SPIKE_SIZE] = max(s[SPIKE_SIZE], size)
+                weight = 1.0 / min(s[COUNT], SETTLING)
+                bounded = abs(change) if s[COUNT] < SETTLING / 4 else min(abs(change), 4 * scale + 1e-300)
+                s[SCALE] += weight * (bounded - scale)
+                s[BEFORE] = change
+            s[LAST_GOOD] = v
             if v == last:
                 run += 1
                 s[REPEATS] += 1

@@ -106,6 +106,10 @@ class Step:
         Mean rate in axes of the unit, rad/s, without the Earth's; 0 for a dwell.
     up : tuple of float, or None
         Direction of up in axes of the unit at the beginning; None where the plan does not say.
+    C_b_n : tuple, or None
+        Attitude at the beginning, nine direction cosines row by row; None where the plan does not say.
+    north : bool
+        Whether that attitude holds the heading, and not only from one step to the next.
     part : int
         Which test or placement of the plan it belongs to, from 0.
     """
@@ -115,6 +119,8 @@ class Step:
     rate: Vector
     up: Vector | None
     part: int
+    C_b_n: tuple[float, ...] | None = None
+    north: bool = True
 
     @property
     def turns(self) -> bool:
@@ -218,6 +224,7 @@ def steps(plan: AnyPlan) -> tuple[Step, ...]:
                 rate=_vector(p.rate * p.C_b_n[2]),
                 up=_vector(p.C_b_n[2]),
                 part=i,
+                C_b_n=_cosines(p.C_b_n),
             )
             for i, p in enumerate(plan.placements)
         )
@@ -242,16 +249,24 @@ def _of_tests(tests: Sequence[TurnTest]) -> tuple[Step, ...]:
     before = None
     for i, test in enumerate(tests):
         up, end = _vector(test.C_b_n[2]), _vector(test.C_b_n_end[2])
-        first = Step(label=f"{test.label} before", duration=test.dwell, rate=(0.0,) * 3, up=up, part=i)
+        begin = {"up": up, "part": i, "C_b_n": _cosines(test.C_b_n)}
+        first = Step(label=f"{test.label} before", duration=test.dwell, rate=(0.0,) * 3, **begin)
         if before is not None and np.allclose(before, test.C_b_n):
             last = found.pop()
             label = f"{last.label}, {first.label}"
-            first = Step(label=label, duration=last.duration + first.duration, rate=(0.0,) * 3, up=up, part=i)
+            first = Step(label=label, duration=last.duration + first.duration, rate=(0.0,) * 3, **begin)
         rate = _vector(test.axis * (test.angle / test.turn_duration))
         found += [
             first,
             Step(label=f"{test.label} turn", duration=test.turn_duration, rate=rate, up=up, part=i),
-            Step(label=f"{test.label} after", duration=float(test.dwell_after), rate=(0.0,) * 3, up=end, part=i),
+            Step(
+                label=f"{test.label} after",
+                duration=float(test.dwell_after),
+                rate=(0.0,) * 3,
+                up=end,
+                part=i,
+                C_b_n=_cosines(test.C_b_n_end),
+            ),
         ]
         before = test.C_b_n_end
     return tuple(found)
@@ -266,8 +281,9 @@ def _of_scan(scan: MountScan) -> tuple[Step, ...]:
             rate = _vector(axis * (angle - scan.angles[i - 1]) / scan.turn_duration)
             up = found[-1].up
             found.append(Step(label=f"turn {i}", duration=scan.turn_duration, rate=rate, up=up, part=i))
-        up = _vector((C_b_n @ dcm_from_rotvec(axis * angle))[2])
-        found.append(Step(label=f"dwell {i + 1}", duration=scan.dwell, rate=(0.0, 0.0, 0.0), up=up, part=i))
+        C = C_b_n @ dcm_from_rotvec(axis * angle)
+        attitude = {"up": _vector(C[2]), "C_b_n": _cosines(C), "north": False}
+        found.append(Step(label=f"dwell {i + 1}", duration=scan.dwell, rate=(0.0, 0.0, 0.0), part=i, **attitude))
     return tuple(found)
 
 
@@ -277,6 +293,11 @@ def _vector(values: Any) -> Vector:
     size = np.abs(values).max()
     x, y, z = np.where(np.abs(values) < 1e-12 * size, 0.0, values).tolist()
     return x, y, z
+
+
+def _cosines(C: Any) -> tuple[float, ...]:
+    """Nine direction cosines, row by row."""
+    return tuple(np.asarray(C, dtype=float).ravel().tolist())
 
 
 def _list(key: str, values: dict[str, Any]) -> list:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from fogkit.imu.tables import ACCEL_COLUMNS, GYRO_COLUMNS
 from fogkit.io.description import RecordingDescription
 from fogkit.io.recordings import Block
-from fogkit.io.segmentation import label_runs
+from fogkit.io.segmentation import Segmentation, label_runs
 from fogkit.io.verdicts import Finding, summary
 from fogkit.io.windows import GAP, WindowMeans, Windows
 
@@ -24,7 +24,7 @@ WINDOW = 0.5
 JITTER = 0.1
 """Root mean square of the steps of the time about their mean, in sampling times, from which a clock is doubtful."""
 
-FROZEN = 10
+FROZEN = 5
 """Fewest equal samples, one after the other, that can be a frozen channel."""
 
 FROZEN_OVER_CHANCE = 3.0
@@ -42,6 +42,9 @@ QUANTIZED = 0.5
 
 LARGEST = {"gyro": 1000.0, "accel": 10_000.0, "temperature": 1000.0, "angle": 1e9, "clock": 1e15}
 """Readings, rad/s, m/s^2, degC, rad and s, that no sensor gives."""
+
+COLDEST, HOTTEST = -90.0, 200.0
+"""Temperatures, degC, outside of which a unit of temperature is doubtful."""
 
 STEP = 12.0
 """Change of the level within a dwell, in standard deviations of the same statistic elsewhere, that counts as a step."""
@@ -134,14 +137,14 @@ class Monitor:
         """All findings of the checks of this module."""
         windows = self.windows.result()
         found = [*self._stamps(), *self._clock_drift(windows), *self._missing(), *self._repeats()]
-        found += [*self._frozen(), *self._clipped()]
-        return [*found, *summary("steps", steps_in(windows, self.names), "no step of a level within a dwell")]
+        found += [*self._spikes(), *self._frozen(), *self._clipped()]
+        return found
 
     def _stamps(self) -> list[Finding]:
         if self.description.clock.column is None:
-            return [
-                Finding(check="gaps", severity="doubtful", text="no clock was recorded: lost samples cannot be seen")
-            ]
+            counted = self.description.file.rows is not None
+            text = "no clock was recorded, " + ("but all samples are there" if counted else "so losses cannot be seen")
+            return [Finding(check="gaps", severity="good" if counted else "doubtful", text=text)]
         found = []
         if self._bad_stamps:
             found.append(_bad("gaps", f"{self._bad_stamps} time stamps are no numbers", count=self._bad_stamps))
@@ -203,7 +206,26 @@ class Monitor:
                 at = self._time_of(s[k.HUGE_AT])
                 text = f"{int(s[k.HUGE])} readings are beyond any sensor, up to {max(s[k.MAX], -s[k.MIN]):.3g}"
                 found.append(_bad("range", text, name, count=int(s[k.HUGE]), time=at))
+            if name.startswith("temperature") and not (s[k.MIN] >= COLDEST and s[k.MAX] <= HOTTEST) and s[k.COUNT]:
+                text = f"reads {s[k.MIN]:.4g} to {s[k.MAX]:.4g} degC: is its unit right?"
+                found.append(Finding(check="range", severity="doubtful", text=text, channel=name))
         return summary("missing", found, "every number is there, and finite")
+
+    def _spikes(self) -> list[Finding]:
+        from fogkit.io import _kernels as k
+
+        found = []
+        motion = self._state[: len(self._row)]
+        for name, s, p in zip(self.names, motion, self._chance(motion), strict=False):
+            if s[k.SPIKES] and p < QUANTIZED:
+                at = self._time_of(s[k.SPIKE_AT])
+                text = f"{int(s[k.SPIKES])} samples leap by {k.SPIKE:g} times the usual change and back, the first at "
+                text += f"{at:.9g} s, by up to {s[k.SPIKE_SIZE]:.3g}"
+                count = int(s[k.SPIKES])
+                found.append(
+                    Finding(check="spikes", severity="doubtful", text=text, channel=name, count=count, time=at)
+                )
+        return summary("spikes", found, "no sample leaps and returns")
 
     def _repeats(self) -> list[Finding]:
         share = self._repeated / max(1, self._count)
@@ -273,8 +295,13 @@ class Monitor:
         return start + float(sample) * self.dt
 
 
-def steps_in(windows: Windows, names: Sequence[str]) -> list[Finding]:
+def step_findings(segmentation: Segmentation, names: Sequence[str]) -> list[Finding]:
     """Sudden changes of a level that no turn explains: steps of single channels within a dwell."""
+    return summary("steps", _steps(segmentation, names), "no step of a level within a dwell")
+
+
+def _steps(segmentation: Segmentation, names: Sequence[str]) -> list[Finding]:
+    windows = segmentation.windows
     span = STEP_SPAN
     columns = [i for i, name in enumerate(names) if name in (*GYRO_COLUMNS, *ACCEL_COLUMNS)]
     m = len(windows.time)
@@ -292,7 +319,7 @@ def steps_in(windows: Windows, names: Sequence[str]) -> list[Finding]:
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.abs(change) / noise
         still = (spread[span:] < 4 * quiet) & (spread[:-span] < 4 * quiet)  # both sides are dwells of all channels
-    still = still.all(axis=1)
+    still = still.all(axis=1) & _within_dwells(segmentation, span)
     jump = (size > STEP) & still[:, None] & (noise > 0)
     found = []
     turning = np.abs(change) > [TURNING if names[c] in GYRO_COLUMNS else np.inf for c in columns]
@@ -312,6 +339,17 @@ def steps_in(windows: Windows, names: Sequence[str]) -> list[Finding]:
                 Finding(check="steps", severity="doubtful", text=text, channel=names[column], count=1, time=time)
             )
     return found
+
+
+def _within_dwells(segmentation: Segmentation, span: int) -> NDArray[np.bool_]:
+    """For each pair of neighbouring spans of windows, whether both are in one dwell."""
+    first = segmentation.windows.first
+    inside = np.zeros(len(first) - 2 * span + 1, dtype=bool)
+    for s in segmentation.segments:
+        if s.kind == "dwell":
+            start, stop = np.searchsorted(first, [s.first, s.last - segmentation.windows.size + 1])
+            inside[start : max(start, stop - 2 * span + 1)] = True
+    return inside
 
 
 def _bad(check: str, text: str, channel: str = "", **more) -> Finding:

@@ -101,7 +101,8 @@ def _numbers(path: Path, column: Column, values: Any, is_text: bool) -> NDArray:
 
 def _header(path: Path, file: FileFormat) -> list[str]:
     """Names of the columns of a text file, or numbers as text; blanks around them are no part of a name."""
-    raw = path.open("rb").read(LONGEST_ROW)
+    with path.open("rb") as stream:
+        raw = stream.read(LONGEST_ROW)
     if file.encoding.replace("_", "-").lower() in ("utf-8", "utf8"):
         raw = raw.removeprefix(b"\xef\xbb\xbf")
     lines = raw.decode(file.encoding, errors="ignore").splitlines()[file.skip_rows :]

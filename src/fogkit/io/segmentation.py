@@ -52,6 +52,9 @@ MOST_SEGMENTS = 20_000
 PASS_FOUND, PASS_STEP = 0.6, 1.2
 """Costs of passing over a found segment, and over a step of the plan."""
 
+LONGEST = 5.0
+"""How many times longer than planned a step may last before the clock is in doubt."""
+
 CLOCK_DRIFT = 1e-3
 """Relative drift of the clock against the plan that is doubtful: tables are not timed better."""
 
@@ -464,6 +467,9 @@ def _against_plan(found: Sequence[FoundSegment], expected: Sequence[Step], pairs
         if f.duration < 0.9 * e.duration - 2 * WINDOW:
             text = f"step {e.label!r} lasts {f.duration:.6g} s, planned were {e.duration:.6g} s"
             findings.append(Finding(check="plan", severity="doubtful", text=text, time=f.begin))
+        if f.duration > LONGEST * e.duration + 2 * WINDOW:
+            text = f"step {e.label!r} lasts {f.duration:.6g} s, planned were {e.duration:.6g} s: is its clock right?"
+            findings.append(Finding(check="plan", severity="doubtful", text=text, time=f.begin))
     findings = summary("plan", findings, f"all {len(expected)} steps of the plan were found")
     return [
         *findings,
@@ -480,7 +486,8 @@ def _axes(found: Sequence[FoundSegment], expected: Sequence[Step], pairs: list) 
         f, e = found[i], expected[j]
         if e.turns:
             sensors["gyro"].append((f.rate / np.linalg.norm(f.rate), _unit(e.rate), e.label, f.begin))
-        elif e.up is not None and f.force is not None and np.any(f.force):
+        upright = not e.turns or (e.up is not None and abs(_cosine(e.rate, e.up)) > 0.99)
+        if upright and e.up is not None and f.force is not None and np.any(f.force):
             sensors["accel"].append((f.force / np.linalg.norm(f.force), _unit(e.up), e.label, f.begin))
     findings = []
     for sensor, rows in sensors.items():

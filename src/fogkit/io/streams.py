@@ -16,7 +16,7 @@ from fogkit.imu.tables import GYRO_COLUMNS
 from fogkit.io import readers
 from fogkit.io.description import RecordingDescription
 from fogkit.io.errors import RecordingError
-from fogkit.io.quality import Monitor
+from fogkit.io.quality import Monitor, step_findings
 from fogkit.io.recordings import Block, Recording, blocks, located, spacing
 from fogkit.io.segmentation import Segmentation, segment_windows
 from fogkit.io.units_check import unit_findings
@@ -174,7 +174,8 @@ def judge(monitor: Monitor, description: RecordingDescription) -> tuple[Verdict,
         )
     except RecordingError as error:
         return Verdict((*found, Finding(check="plan", severity="bad", text=str(error)))), None
-    return Verdict((*found, *unit_findings(description, segmentation), *segmentation.verdict.findings)), segmentation
+    found += [*step_findings(segmentation, description.names), *unit_findings(description, segmentation)]
+    return Verdict((*found, *segmentation.verdict.findings)), segmentation
 
 
 def reduce(recording: Recording, rate: float) -> Recording:

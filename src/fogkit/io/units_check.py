@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 
 from fogkit import checks
 from fogkit.constants import EARTH_RATE, STANDARD_GRAVITY
-from fogkit.earth import normal_gravity
+from fogkit.earth import earth_rate_n, normal_gravity
 from fogkit.io.description import QUANTITIES, RecordingDescription
 from fogkit.io.recordings import Recording
-from fogkit.io.segmentation import Segmentation, segment
+from fogkit.io.segmentation import SIGNED_PERMUTATIONS, Segmentation, segment
 from fogkit.io.unit_names import UNITS, si_factor
 from fogkit.io.verdicts import Finding, Verdict
 from fogkit.units import DEG_PER_HOUR
@@ -33,6 +33,8 @@ EARTH_FINE = 3.0
 
 EARTH_MATCH = 1.5
 """Factor by which a ratio may differ from that of a mistake, for gyros at rest."""
+
+IDENTITY = next(i for i, P in enumerate(SIGNED_PERMUTATIONS) if np.array_equal(P, np.eye(3)))
 
 RATE_MATCH = 1.1
 """The same where a planned rate, or gravity, is the reference."""
@@ -73,7 +75,7 @@ def unit_findings(description: RecordingDescription, segmentation: Segmentation)
         slow = np.argsort(size)[: max(1, len(size) // 10)]
         means = windows.means[slow]
         runs = [(m[:3], m[3:6] if description.accel else None, windows.duration) for m in means]
-    findings = [_gyros(description, segmentation, runs)]
+    findings = [_gyros(description, segmentation, runs), *_earth_axes(description, segmentation)]
     return [*findings, _accelerometers(description, runs, windows.dt)] if description.accel else findings
 
 
@@ -124,6 +126,42 @@ def _gyros(description: RecordingDescription, segmentation: Segmentation, runs: 
     if ratio < 1 and not guess:
         drift = ": what rests on the Earth turns with it"
     return Finding(check="units", severity=severity, text=text + drift + guess, channel="gyro", factor=ratio)
+
+
+def _earth_axes(description: RecordingDescription, segmentation: Segmentation) -> list[Finding]:
+    """Whether the Earth's rotation is seen by the axes that the plan says, from dwell to dwell: free of biases."""
+    planned = {step.label: step for step in segmentation.steps if step.C_b_n is not None and not step.turns}
+    pairs = [(s, planned[s.label]) for s in segmentation.segments if s.label in planned and s.kind == "dwell"]
+    if len(pairs) < 3 or description.latitude is None:
+        return []
+    read = np.array([s.rate for s, _ in pairs])
+    read = read - read.mean(axis=0)
+    C = np.array([step.C_b_n for _, step in pairs]).reshape(-1, 3, 3)
+    noise = _noise(segmentation.windows.means[:, :3], segmentation.windows.duration)
+    noise /= np.sqrt(np.median([s.duration for s, _ in pairs]))
+    headings = [0.0] if all(step.north for _, step in pairs) else np.arange(72) * (2 * np.pi / 72)
+    fits = np.array([_misfits(read, C, description.latitude, heading) for heading in headings]).min(axis=0)
+    best, named = float(fits.min()), float(fits[IDENTITY])
+    seen = float(np.sqrt(np.mean(read**2)))
+    if seen < 3 * noise or best > 0.3 * seen:
+        return []  # drift or noise hides it, with any axes
+    if named < 2 * best + 0.1 * seen:
+        return [
+            Finding(check="axes", severity="good", text="the Earth turns about the axes of the plan", channel="gyro")
+        ]
+    P = SIGNED_PERMUTATIONS[int(fits.argmin())]
+    names = [("-" if row.sum() < 0 else "") + "xyz"[int(np.argmax(np.abs(row)))] for row in P]
+    text = f"the Earth's rotation fits the plan if its x, y, z are recorded as {', '.join(names)}, and not as they are"
+    return [Finding(check="axes", severity="doubtful", text=text, channel="gyro")]
+
+
+def _misfits(read: Array, C_b_n: Array, latitude: float, heading: float) -> Array:
+    """Root mean square of readings less the Earth's rotation, rad/s, with each order and sign of the axes."""
+    east, north, up = earth_rate_n(latitude)
+    earth = np.array([north * np.sin(heading) + east, north * np.cos(heading), up])
+    expected = np.einsum("nji,j->ni", C_b_n, earth)
+    expected = expected - expected.mean(axis=0)
+    return np.array([np.sqrt(np.mean((read @ P.T - expected) ** 2)) for P in SIGNED_PERMUTATIONS])
 
 
 def _noise(means: Array, duration: float) -> float:
