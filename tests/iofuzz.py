@@ -348,8 +348,11 @@ def run_case(number, folder):
     shutil.rmtree(target, ignore_errors=True)
     shutil.copytree(source, target)
     done = [mutate(target, data, rng)]
-    if rng.random() < 0.15 and (target / data).exists() and not _broken(target):
-        done.append(mutate(target, data, rng))
+    if rng.random() < 0.15:
+        try:
+            done.append(mutate(target, data, rng))
+        except (ValueError, IndexError, OSError):  # too little is left to break
+            done.append("and no more")
     try:
         outcome, message, recording = evaluate(target / "recording.toml")
     except Exception as error:
@@ -358,16 +361,6 @@ def run_case(number, folder):
     if outcome == "good":
         wrong = same(message, recording, sound()[number % len(sound())][1])
     return outcome, f"{data}: {'; '.join(done)}", wrong if outcome == "good" else message
-
-
-def _broken(folder):
-    """Whether a second mutation cannot be made of the text that is left."""
-    try:
-        text = (folder / "recording.toml").read_text(encoding="utf-8")
-        rows = [p.read_text(encoding="utf-8").splitlines() for p in folder.iterdir() if p.suffix in (".csv", ".txt")]
-    except UnicodeDecodeError:
-        return True
-    return 'unit = "' not in text or any(len(set(map(len, (r.split(",") for r in lines)))) != 1 for lines in rows)
 
 
 def main(arguments):

@@ -28,6 +28,10 @@ def scan(values, first, limits, state):
         s = state[c]
         limit = limits[c]
         last, run = s[LAST], s[RUN]
+        if s[COUNT] == 0:
+            s[SCALE] = np.median(np.abs(np.diff(row[:512]))) if row.size > 2 else np.inf
+            if not np.isfinite(s[SCALE]):
+                s[SCALE] = np.inf
         for i in range(row.size):
             v = row[i]
             if not np.isfinite(v):
@@ -44,16 +48,17 @@ def scan(values, first, limits, state):
             if s[COUNT] > 1:  # NaN before: no change known
                 change = v - s[LAST_GOOD]
                 scale = s[SCALE]
-                if s[COUNT] > SETTLING and s[BEFORE] * change < 0:
+                if s[COUNT] == 2:
+                    s[BEFORE] = -change  # the first sample may be the leap
+                if s[BEFORE] * change < 0:
                     size = min(abs(change), abs(s[BEFORE]))
                     if size > SPIKE * scale and abs(change + s[BEFORE]) < 0.5 * size:
                         if s[SPIKES] == 0:
                             s[SPIKE_AT] = first + i - 1
                         s[SPIKES] += 1
                         s[SPIKE_SIZE] = max(s[SPIKE_SIZE], size)
-                weight = 1.0 / min(s[COUNT], SETTLING)
-                bounded = abs(change) if s[COUNT] < SETTLING / 4 else min(abs(change), 4 * scale + 1e-300)
-                s[SCALE] += weight * (bounded - scale)
+                if scale < np.inf:
+                    s[SCALE] += (min(abs(change), 4 * scale + 1e-300) - scale) / SETTLING
                 s[BEFORE] = change
             s[LAST_GOOD] = v
             if v == last:

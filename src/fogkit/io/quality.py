@@ -217,6 +217,11 @@ class Monitor:
         found = []
         motion = self._state[: len(self._row)]
         for name, s, p in zip(self.names, motion, self._chance(motion), strict=False):
+            ends_so = abs(s[k.BEFORE]) > k.SPIKE * s[k.SCALE]  # whether it would return is not known
+            if ends_so and not s[k.SPIKES] and p < QUANTIZED and s[k.COUNT] > 2:
+                found.append(
+                    Finding(check="spikes", severity="doubtful", text="its last sample leaps", channel=name, count=1)
+                )
             if s[k.SPIKES] and p < QUANTIZED:
                 at = self._time_of(s[k.SPIKE_AT])
                 text = f"{int(s[k.SPIKES])} samples leap by {k.SPIKE:g} times the usual change and back, the first at "

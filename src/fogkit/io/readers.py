@@ -187,7 +187,7 @@ def _arrow(batches, columns: tuple) -> Iterator[Piece]:
 def _parquet(path: Path, file: FileFormat, columns: tuple, text: Column | None, rows: int | None) -> Iterator[Piece]:
     import pyarrow.parquet as pq
 
-    with path.open("rb") as handle, pq.ParquetFile(handle) as source:
+    with path.open("rb") as handle, pq.ParquetFile(handle, pre_buffer=False) as source:  # else all of it
         names = source.schema_arrow.names
         for column in columns:
             if names.count(column) != 1:

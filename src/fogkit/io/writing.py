@@ -176,7 +176,12 @@ def _text(target: Path, file: FileFormat, columns: dict) -> None:
     with target.open("w", encoding=file.encoding, newline="") as stream:
         stream.write("#\n" * file.skip_rows)
         options = {"index": False, "header": file.header, "sep": delimiter, "decimal": file.decimal}
-        frame.to_csv(stream, na_rep="nan", float_format=repr if file.decimal == "." else None, **options)
+        frame.to_csv(stream, na_rep="nan", float_format=_digits if file.decimal == "." else None, **options)
+
+
+def _digits(value: float) -> str:
+    """All digits of a number."""
+    return repr(float(value))
 
 
 def _parquet(target: Path, _: FileFormat, columns: dict) -> None:
