@@ -52,8 +52,11 @@ def test_allan_deviation_of_pieces(long, rows):
     assert (~short).sum() >= 5 and STRIDE < SHORT
 
 
-def test_memory_stays_that_of_a_block(long):
+def test_memory_stays_that_of_a_block(long, monkeypatch, tmp_path):
     path, table = long
+    monkeypatch.setattr("fogkit.io.recordings.FIRST", 5000)
+    monkeypatch.setattr("fogkit.io.writing.ROWS", 5000)  # a group of rows is read whole
+    path = io.write(table, io.read_description(path), tmp_path / "recording.toml")
     io.survey(path, rows=5000)  # compiled and imported
     tracemalloc.start()
     io.survey(path, rows=5000, allan=True)

@@ -459,7 +459,9 @@ def _to_tables(description: RecordingDescription) -> dict[str, Any]:
         if (value := getattr(description, name)) is not None:
             table = {f.name: getattr(value, f.name) for f in fields(value)}
             keep = {f.name: f.default for f in fields(value)}
-            data[name] = {key: entry for key, entry in table.items() if entry is not None and entry != keep[key]}
+            kept = {key: entry for key, entry in table.items() if entry is not None and entry != keep[key]}
+            last = {key: kept.pop(key) for key in ("path", "columns", "unit") if key in kept}
+            data[name] = kept | last  # what must be there comes last: a text that is cut off is then no description
     if description.temperatures:
         data["temperature"] = {"unit": description.temperature_unit, **description.temperatures}
     if description.angle is not None:

@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+FIRST = 65_536
+"""Samples at the beginning from which the sampling time is taken."""
+
 USUAL_STEP = 0.5
 """Departure from the median, relative, up to which a step of the time is one between neighbours."""
 
@@ -41,12 +44,15 @@ class Block:
         Labels of positions, None between them.
     first : int
         Number of the first sample, from 0.
+    dt : float
+        Sampling time of the recording, s.
     """
 
     time: Array
     values: Array
     labels: NDArray | None
     first: int
+    dt: float
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -95,7 +101,7 @@ class Recording:
             column = self.table["position"].astype(object)
             labels = column.where(column.notna(), None).to_numpy()
         values = np.ascontiguousarray(self.table[names].to_numpy(dtype=float).T)
-        return Block(self.table.index.to_numpy(dtype=float), values, labels, 0)
+        return Block(self.table.index.to_numpy(dtype=float), values, labels, 0, self.dt)
 
     def increments(self) -> "DataFrame":
         """Integrals over each sample, rad and m/s, of gyros and accelerometers: what navigation takes."""
@@ -132,14 +138,13 @@ def read(source: str | Path | RecordingDescription, *, folder: str | Path = ".")
 
     description, folder = located(source, folder)
     (block,) = blocks(description, folder, rows=None)
-    dt = spacing(description, block.time)
     bad = int(np.count_nonzero(~np.isfinite(block.values)))
     if bad:
         warnings.warn(f"{description.file.path} holds {bad} missing or infinite numbers", stacklevel=2)
     table = pd.DataFrame(block.values.T, index=pd.Index(block.time, name="time"), columns=list(description.names))
     if block.labels is not None:
         table["position"] = block.labels
-    return Recording(table=table, description=description, dt=dt)
+    return Recording(table=table, description=description, dt=block.dt)
 
 
 def located(source: str | Path | RecordingDescription, folder: str | Path = ".") -> tuple[RecordingDescription, Path]:
@@ -172,8 +177,7 @@ def blocks(description: RecordingDescription, folder: Path, rows: int | None = r
         As `fogkit.io.readers.pieces`.
     """
     clock, dt, first = description.clock, None, 0
-    columns = description.columns
-    for piece in readers.pieces(description.file, folder, columns, description.position, rows):
+    for piece in _begun(readers.pieces(description.file, folder, description.columns, description.position, rows)):
         count = len(next(iter(piece.values())))
         with np.errstate(over="ignore", invalid="ignore"):
             if clock.column is None:
@@ -188,8 +192,24 @@ def blocks(description: RecordingDescription, folder: Path, rows: int | None = r
                 if zero:
                     row += zero
         labels = None if description.position is None else piece[description.position]
-        yield Block(time, values, labels, first)
+        yield Block(time, values, labels, first, dt)
         first += count
+
+
+def _begun(pieces: Iterator[readers.Piece]) -> Iterator[readers.Piece]:
+    """Pieces, the first ones as one of at least `FIRST` samples: the sampling time must not depend on their size."""
+    start: list[readers.Piece] = []
+    count = 0
+    for piece in pieces:
+        if count >= FIRST:
+            yield piece
+            continue
+        start.append(piece)
+        count += len(next(iter(piece.values())))
+        if count >= FIRST:
+            yield start[0] if len(start) == 1 else {c: np.concatenate([p[c] for p in start]) for c in piece}
+    if 0 < count < FIRST:
+        yield {c: np.concatenate([p[c] for p in start]) for c in start[0]}
 
 
 def description_factor(description: RecordingDescription) -> float:
@@ -210,7 +230,7 @@ def spacing(description: RecordingDescription, time: Array) -> float:
     declared = None if description.clock.sample_rate is None else 1 / description.clock.sample_rate
     if description.clock.column is None:
         return float(declared)  # type: ignore[arg-type]
-    steps = np.diff(time[:65536])
+    steps = np.diff(time[:FIRST])
     steps = steps[np.isfinite(steps) & (steps > 0)]
     if not steps.size:
         raise RecordingError(f"the clock {description.clock.column!r} of {description.file.path} does not advance")

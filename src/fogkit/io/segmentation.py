@@ -531,6 +531,9 @@ def _clock(found: Sequence[FoundSegment], expected: Sequence[Step], pairs: list)
     """Drift of the clock against the plan, where steps followed one another without pauses."""
     if len(pairs) < max(4, len(expected)):
         return []
+    order = [found[i] for i, _ in pairs]
+    if max(b.begin - a.end for a, b in pairwise(order)) > 3 * WINDOW:
+        return []  # there were pauses: the plan says nothing of the clock
     ends = np.cumsum([e.duration for e in expected])
     planned = ends - 0.5 * np.array([e.duration for e in expected])
     seen = np.array([0.5 * (found[i].begin + found[i].end) for i, _ in pairs])
@@ -538,7 +541,7 @@ def _clock(found: Sequence[FoundSegment], expected: Sequence[Step], pairs: list)
     slope = float(x @ y / (x @ x))
     scatter = float(np.sqrt(np.sum((y - slope * x) ** 2) / (len(x) - 2)))
     if scatter > WINDOW or abs(slope - 1) > 0.1:
-        return []  # there were pauses: the plan says nothing of the clock
+        return []
     deviation = max(scatter, WINDOW / np.sqrt(12)) / float(np.sqrt(x @ x))
     text = f"the clock runs {slope:.6f} times as fast as the plan, standard deviation {deviation:.1g}"
     severity = "doubtful" if abs(slope - 1) > max(CLOCK_DRIFT, 4 * deviation) else "good"

@@ -17,7 +17,7 @@ from fogkit.io import readers
 from fogkit.io.description import RecordingDescription
 from fogkit.io.errors import RecordingError
 from fogkit.io.quality import Monitor, step_findings
-from fogkit.io.recordings import Block, Recording, blocks, located, spacing
+from fogkit.io.recordings import Block, Recording, blocks, located
 from fogkit.io.segmentation import Segmentation, segment_windows
 from fogkit.io.units_check import unit_findings
 from fogkit.io.verdicts import Verdict
@@ -120,7 +120,7 @@ def survey(
     with _bar(description, progress) as bar:
         for block in blocks(description, folder, rows):
             if monitor is None:
-                dt = spacing(description, block.time)
+                dt = block.dt
                 monitor = Monitor(description, dt)
                 reduced = WindowMeans(max(1, round(1 / (reduced_rate * dt))), dt)
                 collector = _AllanSums(dt) if allan else None
@@ -252,7 +252,7 @@ class _AllanSums:
                     self.sums[k, c] += fresh * _kernels.second_difference_power(part, m)
             self.tail[c] = joined[-(2 * SHORT + 1) :].copy()
         self.count += n
-        self.means.update(Block(np.arange(n) * self.dt + block.first * self.dt, rates, None, block.first))
+        self.means.update(Block(np.arange(n) * self.dt + block.first * self.dt, rates, None, block.first, self.dt))
 
     def result(self) -> AllanDeviation:
         """Deviations at all powers of two up to half of the recording."""

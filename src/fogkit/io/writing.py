@@ -14,6 +14,7 @@ from fogkit.imu.tables import ACCEL_COLUMNS, GYRO_COLUMNS
 from fogkit.io.description import Channels, Clock, FileFormat, RecordingDescription
 from fogkit.io.errors import RecordingError
 from fogkit.io.plan_names import PlanReference
+from fogkit.io.readers import ROWS
 from fogkit.io.recordings import description_factor
 
 if TYPE_CHECKING:
@@ -188,7 +189,8 @@ def _parquet(target: Path, _: FileFormat, columns: dict) -> None:
     import pyarrow as pa
     import pyarrow.parquet as pq
 
-    pq.write_table(pa.table({name: pa.array(values, from_pandas=False) for name, values in columns.items()}), target)
+    table = pa.table({name: pa.array(values, from_pandas=False) for name, values in columns.items()})
+    pq.write_table(table, target, row_group_size=ROWS)  # one is read whole
 
 
 def _arrays(file: FileFormat, columns: dict) -> dict[str, Any]:
