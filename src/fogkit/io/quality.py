@@ -318,12 +318,14 @@ def _steps(segmentation: Segmentation, names: Sequence[str]) -> list[Finding]:
     sides = np.lib.stride_tricks.sliding_window_view(levels, span, axis=0)
     middle = np.median(sides, axis=-1)
     spread = np.ptp(sides, axis=-1)
-    change = middle[span:] - middle[:-span]  # between the spans before and after window span + i
+    change = middle[span + 1 :] - middle[: -span - 1]  # a window that the step cuts is between
     noise = np.median(np.abs(change), axis=0) / 0.6745
     quiet = np.median(spread, axis=0)
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.abs(change) / noise
-        still = (spread[span:] < 4 * quiet) & (spread[:-span] < 4 * quiet)  # both sides are dwells of all channels
+        still = (spread[span + 1 :] < 4 * quiet) & (
+            spread[: -span - 1] < 4 * quiet
+        )  # both sides are dwells of all channels
     still = still.all(axis=1) & _within_dwells(segmentation, span)
     jump = (size > STEP) & still[:, None] & (noise > 0)
     found = []
@@ -349,11 +351,11 @@ def _steps(segmentation: Segmentation, names: Sequence[str]) -> list[Finding]:
 def _within_dwells(segmentation: Segmentation, span: int) -> NDArray[np.bool_]:
     """For each pair of neighbouring spans of windows, whether both are in one dwell."""
     first = segmentation.windows.first
-    inside = np.zeros(len(first) - 2 * span + 1, dtype=bool)
+    inside = np.zeros(len(first) - 2 * span, dtype=bool)
     for s in segmentation.segments:
         if s.kind == "dwell":
             start, stop = np.searchsorted(first, [s.first, s.last - segmentation.windows.size + 1])
-            inside[start : max(start, stop - 2 * span + 1)] = True
+            inside[start : max(start, stop - 2 * span)] = True
     return inside
 
 
