@@ -181,15 +181,20 @@ def steady_heading_std(
     Returns
     -------
     float
-        Rad. The level Earth rate in the mount is a line spectrum with powers ``|c_k|**2`` at multiples ``k/period``,
-        for rocking the Bessel functions ``J_k(amplitude)**2``, and each line is weighed with the noise there::
-
-            1/std**2 = (omega_ie cos(lat))**2 * duration * sum over k != 0 of |c_k|**2 / spectrum(|k|/period)
+        Rad; infinite if all of the level Earth rate is lost to the bias.
 
     Raises
     ------
     ValueError
         If there are less than five periods, or the spectrum is not above zero.
+
+    Notes
+    -----
+    The level Earth rate in the mount is a line spectrum with powers ``|c_k|**2`` at multiples ``k/period``, for rocking
+    the Bessel functions ``J_k(amplitude)**2``, and each line is weighed with the noise there::
+
+        1/std**2 = (omega_ie cos(lat))**2 * duration * sum over k != 0 of |c_k|**2 / spectrum(|k|/period)
+
     """
     checks.instance("law", law, MountLaw)
     duration = checks.positive("duration", duration, "s")
