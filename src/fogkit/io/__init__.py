@@ -9,6 +9,7 @@ pass over a recording larger than memory. What cannot be used ends in a `Recordi
 module              answers
 ==================  =====================================================================================
 `errors`            what is raised when a recording cannot be used?
+`plain_toml`        how are plain values written as TOML?
 `unit_names`        which units have a name, and what are they in SI?
 `plan_names`        which plans have a name, and what does the unit feel in each of their steps?
 `description`       what does ``recording.toml`` say?

@@ -45,6 +45,7 @@ import numpy as np
 from fogkit import checks
 from fogkit.imu.tables import ACCEL_COLUMNS, GYRO_COLUMNS
 from fogkit.io.errors import RecordingError, first_sentence
+from fogkit.io.plain_toml import toml_text
 from fogkit.io.plan_names import PlanReference
 from fogkit.io.unit_names import ZERO, checked_unit, si_factor
 
@@ -385,8 +386,6 @@ class RecordingDescription:
 
     def to_toml(self) -> str:
         """Text from which `from_toml` makes an equal description."""
-        from fogkit.io.writing import toml_text
-
         return toml_text(_to_tables(self))
 
 
