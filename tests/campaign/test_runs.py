@@ -19,7 +19,16 @@ from hypothesis import settings
 from hypothesis import strategies as st
 from pandas.testing import assert_frame_equal
 
-from fogkit.campaign import CampaignMismatchError, case_generator, grid, read_campaign, run_campaign, runs, store
+from fogkit.campaign import (
+    CampaignMismatchError,
+    attempts,
+    case_generator,
+    grid,
+    read_campaign,
+    run_campaign,
+    runs,
+    store,
+)
 from fogkit.campaign.identity import case_identity, seed_text
 
 CASES = grid({"bias": [0.0, 1.0], "count": [3, 4, 5]})
@@ -215,7 +224,7 @@ def test_a_retry_has_the_same_random_numbers():
         drawn.append(rng.random())
         raise OSError
 
-    assert runs.attempt(draws, {}, seed_text(1, "0" * 32, 0), 2)["attempts"] == 3
+    assert attempts.attempt(draws, {}, seed_text(1, "0" * 32, 0), 2)["attempts"] == 3
     assert len(drawn) == 3 and len(set(drawn)) == 1
 
 
@@ -273,6 +282,12 @@ def test_the_loss_of_a_worker_ends_the_run_and_keeps_what_came(tmp_path):
     with ProcessPoolExecutor(1) as pool, pytest.raises(BrokenProcessPool):
         run_campaign(dies, cases, tmp_path, executor=pool, progress=False, window=1)
     assert read_campaign(tmp_path)["result"].tolist() == [0, 1, 2]
+
+
+def test_a_process_pool_is_made_where_none_is_given(tmp_path, monkeypatch):
+    # Python 3.12 and later warn where a process with threads is forked, as one of the tests is: threads stand in
+    monkeypatch.setattr(runs, "ProcessPoolExecutor", ThreadPoolExecutor)
+    assert run_campaign(scaled, [{"value": 2}], tmp_path, progress=False)["result"].tolist() == [2]
 
 
 BEFORE = {"cases": [{"value": 1}], "common": {"gyro": Gyro(noise=0.1)}, "seed": None}

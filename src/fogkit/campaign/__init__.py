@@ -6,6 +6,8 @@ module              answers
 `mapping`           what does a function give for each of some cases, here and now?
 `designs`           which cases: a grid, or points spread over ranges and distributions?
 `runs`              the same as a campaign that outlives a crash: stored, resumed, failures kept, seeded
+`cases`             which arguments has each case, and can the function be called with them?
+`attempts`          what does one run give, in the worker: outputs, or what went wrong?
 `identity`          which case is it, and which random stream is its own?
 `store`             what stands on the disk, and does it belong to what is asked?
 ==================  =====================================================================================

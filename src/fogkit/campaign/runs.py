@@ -1,38 +1,28 @@
 """Campaigns that outlive a crash: each run seeded by its own case, stored as it ends, kept when it fails."""
 
-import inspect
 import json
 import os
 import platform
 import time
-import traceback
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor
-from contextlib import closing
-from dataclasses import fields, is_dataclass
+from contextlib import closing, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fogkit import __version__, checks
 from fogkit.campaign import store
-from fogkit.campaign.identity import (
-    case_generator,
-    case_identity,
-    encoded,
-    importable_name,
-    plain,
-    qualified_name,
-    seed_text,
-    source_digest,
-)
+from fogkit.campaign.attempts import attempt, failure
+from fogkit.campaign.cases import brief, places_of, rows, stored_inputs
+from fogkit.campaign.identity import encoded, importable_name, seed_text, source_digest
 from fogkit.campaign.mapping import WINDOW, bar, completed
 from fogkit.campaign.store import CampaignMismatchError
 
 if TYPE_CHECKING:
     from pandas import DataFrame
 
-ROWS = 10_000
+MOST_WAITING = 10_000
 """Results that are kept in memory at most before they are written."""
 
 
@@ -136,12 +126,12 @@ def run_campaign(
     interval = checks.non_negative("interval", interval, "s")
     window = checks.integer("window", window, minimum=1)
     cases = cases if hasattr(cases, "columns") else list(cases)
-    places = _places(function, cases, common, seed)
+    places = places_of(function, cases, common, seed)
     folder = Path(folder)
     asked = {
         "function": name,
         "source": source_digest(function),
-        "parameters": list(next(_rows(cases))),
+        "parameters": list(next(rows(cases))),
         "common": {key: encoded(f"`common[{key!r}]`", value, full=False) for key, value in common.items()},
         "seed": seed,
         "version": __version__,
@@ -149,93 +139,13 @@ def run_campaign(
     }
     _require_same(folder, store.describe(folder, asked), asked)
     done = _done(folder, places, repeats, again)
-
-    def calls() -> Iterator[tuple[dict[str, Any], tuple, dict[str, Any]]]:
-        for (identity, place), case in zip(places.items(), _rows(cases), strict=True):
-            for repeat in range(repeats):
-                if (identity, repeat) not in done:
-                    stream = None if seed is None else seed_text(seed, identity, repeat)
-                    label = {"identity": identity, "place": place, "repeat": repeat, "input": _inputs(case, place)}
-                    yield label | {"seed": stream}, (attempt, function, {**common, **case}, stream, retries), {}
-
-    total = len(places) * repeats
-    if len(done) < total:
-        shown = bar(progress, total, len(done))
-        if executor is None:
-            with ProcessPoolExecutor() as pool:
-                _collect(folder, completed(pool, calls(), window=window, tick=interval or None), interval, shown)
-        else:
-            _collect(folder, completed(executor, calls(), window=window, tick=interval or None), interval, shown)
+    if len(done) < len(places) * repeats:
+        labels = _labels(cases, places, repeats, done, seed)
+        calls = ((label, (attempt, function, {**common, **case}, label["seed"], retries), {}) for label, case in labels)
+        shown = bar(progress, len(places) * repeats, len(done))
+        with ProcessPoolExecutor() if executor is None else nullcontext(executor) as pool:
+            _collect(folder, completed(pool, calls, window=window, tick=interval or None), interval, shown)
     return _finished(folder, places, repeats, asked["parameters"])
-
-
-def _rows(cases: "DataFrame | list[Mapping[str, Any]]") -> Iterator[dict[str, Any]]:
-    """Arguments of each case, NumPy scalars as Python's."""
-    if isinstance(cases, list):
-        for i, case in enumerate(cases):
-            if not isinstance(case, Mapping) or not all(isinstance(key, str) for key in case):
-                raise TypeError(f"`cases` must hold mappings of argument names to values, got {case!r} as case {i + 1}")
-            yield {key: plain(value) for key, value in case.items()}
-    else:
-        names = list(cases.columns)
-        if not all(isinstance(name, str) for name in names) or len(set(names)) < len(names):
-            raise TypeError(f"`cases` must have the names of arguments for columns, each once, got {names}")
-        for values in zip(*(cases[name] for name in names), strict=True):
-            yield {name: plain(value) for name, value in zip(names, values, strict=True)}
-
-
-def _inputs(case: Mapping[str, Any], place: int) -> dict[str, Any]:
-    """Arguments of a case in the form that is stored."""
-    return {
-        key: encoded(f"`cases`: argument `{key}` of case {place + 1}", case[key], full=False) for key in sorted(case)
-    }
-
-
-def _places(function: Callable[..., Any], cases: Any, common: Mapping[str, Any], seed: int | None) -> dict[str, int]:
-    """Identity of each case with its place, after all that can be wrong with cases has been looked for."""
-    places: dict[str, int] = {}
-    first: set[str] = set()
-    for place, case in enumerate(_rows(cases)):
-        if not place:
-            first = set(case)
-            _require_call(function, {**common, **case}, set(common) & first, seed)
-        if set(case) != first:
-            raise ValueError(
-                f"`cases` must all have the same arguments, got {sorted(case)} in case {place + 1} and {sorted(first)} "
-                "in the first"
-            )
-        identity = case_identity(_inputs(case, place))
-        if identity in places:
-            raise ValueError(
-                f"`cases` must differ, but case {place + 1} is case {places[identity] + 1} again: {_brief(case)}. For "
-                "several runs of one case give `repeats` and `seed`"
-            )
-        places[identity] = place
-    if not places:
-        raise ValueError("`cases` must hold at least one case, got none")
-    return places
-
-
-def _require_call(function: Callable[..., Any], arguments: dict[str, Any], twice: set[str], seed: int | None) -> None:
-    """Find out before the first run whether the function takes the arguments."""
-    if twice:
-        raise ValueError(f"`common` and `cases` both give {sorted(twice)}")
-    if seed is not None:
-        if "rng" in arguments:
-            raise ValueError("`seed` gives each run its own `rng`, so neither `cases` nor `common` may hold one")
-        arguments = arguments | {"rng": None}
-    try:
-        inspect.signature(function).bind(**arguments)
-    except ValueError:
-        return  # some built-in functions do not tell
-    except TypeError as error:
-        raise TypeError(f"`function` cannot be called with the arguments {sorted(arguments)}: {error}") from None
-
-
-def _brief(case: Mapping[str, Any]) -> str:
-    """A case in a few words."""
-    text = ", ".join(f"{key}={value!r}" for key, value in case.items())
-    return text if len(text) < 200 else text[:200] + "..."
 
 
 def _require_same(folder: Path, found: Mapping[str, Any], asked: Mapping[str, Any]) -> None:
@@ -273,7 +183,7 @@ def _done(folder: Path, places: Mapping[str, int], repeats: int, again: bool) ->
     stored = store.stored(folder)
     foreign = {identity for identity, _ in stored if identity not in places}
     if foreign:
-        example = _brief(store.inputs_of(folder, min(foreign)))
+        example = brief(store.inputs_of(folder, min(foreign)))
         raise CampaignMismatchError(
             f"`folder` {folder} holds results of {len(foreign)} cases that are not among `cases`, such as {example}. "
             "Cases may be added to a campaign but not taken away: give these too, or another folder"
@@ -285,46 +195,16 @@ def _done(folder: Path, places: Mapping[str, int], repeats: int, again: bool) ->
     return {run for run, success in stored.items() if success or not again}
 
 
-def attempt(function: Callable[..., Any], arguments: dict[str, Any], seed: str | None, retries: int) -> dict[str, Any]:
-    """One run, in the worker: outputs or what went wrong, as what can be stored; only the last attempt is timed."""
-    row = {}
-    for count in range(1, retries + 2):
-        start = time.perf_counter()
-        try:
-            keywords = arguments if seed is None else arguments | {"rng": case_generator(seed)}
-            outputs = _outputs(function(**keywords))
-        except Exception as error:
-            row = failure(error, count) | {"duration": time.perf_counter() - start}
-        else:
-            good = {"output": outputs, "attempts": count, "error": None, "message": None, "traceback": None}
-            return good | {"duration": time.perf_counter() - start}
-    return row
-
-
-def failure(error: BaseException, attempts: int) -> dict[str, Any]:
-    """The part of a row that says what went wrong."""
-    text = "".join(traceback.format_exception(error))
-    return {
-        "output": {},
-        "attempts": attempts,
-        "error": qualified_name(type(error)).removeprefix("builtins."),
-        "message": str(error),
-        "traceback": text,
-        "duration": None,
-    }
-
-
-def _outputs(result: Any) -> dict[str, Any]:
-    """Columns of a result."""
-    if is_dataclass(result) and not isinstance(result, type):
-        result = {field.name: getattr(result, field.name) for field in fields(result)}
-    elif hasattr(result, "_asdict"):
-        result = result._asdict()
-    elif not isinstance(result, Mapping):
-        result = {"result": result}
-    if not all(isinstance(key, str) for key in result):
-        raise TypeError(f"the result cannot be stored: the names of its entries are no texts, got {list(result)[:5]}")
-    return {key: encoded(f"`{key}` of the result", value) for key, value in sorted(result.items())}
+def _labels(
+    cases: "DataFrame | list", places: Mapping[str, int], repeats: int, done: set[tuple[str, int]], seed: int | None
+) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
+    """What is stored of each run that is to be run, beside what comes of it; and its arguments."""
+    for (identity, place), case in zip(places.items(), rows(cases), strict=True):
+        left = [repeat for repeat in range(repeats) if (identity, repeat) not in done]
+        for repeat in left:
+            stream = None if seed is None else seed_text(seed, identity, repeat)
+            label = {"identity": identity, "place": place, "repeat": repeat, "seed": stream}
+            yield label | {"input": stored_inputs(case, place)}, case
 
 
 def _collect(folder: Path, finished: Iterator[tuple[dict[str, Any], Future] | None], interval: float, shown) -> None:
@@ -341,9 +221,9 @@ def _collect(folder: Path, finished: Iterator[tuple[dict[str, Any], Future] | No
                     shown.update()
                     if failed:
                         shown.set_postfix(failed=failed, refresh=False)
-                if waiting and (time.monotonic() - written >= interval or len(waiting) >= ROWS):
-                    rows, waiting = waiting, []
-                    store.append(folder, rows)
+                if waiting and (time.monotonic() - written >= interval or len(waiting) >= MOST_WAITING):
+                    ready, waiting = waiting, []
+                    store.append(folder, ready)
                     written = time.monotonic()
         finally:
             if waiting:
