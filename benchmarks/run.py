@@ -7,6 +7,7 @@ import multiprocessing
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
@@ -16,7 +17,7 @@ import psutil
 
 from fogkit.calibration import bench_fit, three_stage
 from fogkit.calibration.navigation_based import calibrate
-from fogkit.campaign import map_cases
+from fogkit.campaign import grid, map_cases, run_campaign
 from fogkit.imu import Construction, GyroTriad, LinearTriad, MeasurementUnit, Sensors, SizeEffect
 from fogkit.navigation import State, increments_from_motion, integrate, integrate_arrays
 from fogkit.noise import RandomErrors, allan_deviation, identify
@@ -383,6 +384,32 @@ def gyrocompass() -> None:
     show("100 seeds of the thesis's run of 900 s at 100 Hz, on all threads", f"{elapsed:.1f} s", "bound 60 s on 2")
 
 
+def campaigns() -> None:
+    """What a stored and seeded run costs beside its function, against a plain loop and against results in memory."""
+    count = 5000
+    levels = {"length": np.linspace(500.0, 1500.0, count)}
+    lengths = grid(levels)
+
+    def stored(workers: ThreadPoolExecutor | ProcessPoolExecutor) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            run_campaign(coil_with_noise, lengths, folder, seed=1, executor=workers, progress=False)
+
+    cases = [{"length": float(length), "rng": np.random.default_rng(1)} for length in levels["length"]]
+    plain = median_time(lambda: [coil_with_noise(**case) for case in cases], runs=3) / count
+    show(f"a function of microseconds in a plain loop of {count}, each", f"{plain * 1e6:.0f} us", "")
+    for name, kind in (("thread", ThreadPoolExecutor), ("process", ProcessPoolExecutor)):
+        with kind(1) as pool:
+            mapped = median_time(lambda: map_cases(coil_with_noise, cases, executor=pool), runs=3) / count
+            kept = median_time(lambda: stored(pool), runs=3) / count
+        show(f"the same by map_cases, one {name}, beyond that", f"{(mapped - plain) * 1e6:.0f} us", "")
+        show(f"the same as a campaign, seeded and stored, one {name}", f"{(kept - plain) * 1e6:.0f} us", "")
+
+
+def coil_with_noise(length: float, rng: np.random.Generator) -> float:
+    """A cheap case."""
+    return length + float(rng.standard_normal())
+
+
 def import_time() -> None:
     """Importing the package, against starting Python."""
 
@@ -406,6 +433,7 @@ def main() -> None:
     rough_table()
     navigation_calibrations()
     gyrocompass()
+    campaigns()
     import_time()
 
 

@@ -41,7 +41,7 @@ def run(*arguments, workers=1, **options):
 
 def same(first, second):
     """Equal to the last bit, but for the times that they took."""
-    assert_frame_equal(first.drop(columns="duration"), second.drop(columns="duration"), check_exact=True)
+    assert_frame_equal(first.drop(columns="run_time"), second.drop(columns="run_time"), check_exact=True)
 
 
 @pytest.fixture(scope="module")
@@ -56,7 +56,7 @@ def test_a_result_is_that_of_the_function_on_the_stream_of_the_case(noisy):
     ]
     for _, row in noisy.iterrows():
         assert noisy_mean(row["bias"], row["count"], case_generator(row["seed"]))["mean"] == row["mean"]
-    assert (noisy.duration > 0).all() and (noisy.attempts == 1).all() and noisy.error.isna().all()
+    assert (noisy.run_time > 0).all() and (noisy.attempts == 1).all() and noisy.exception.isna().all()
 
 
 def test_streams_are_spawned_and_differ(noisy):
@@ -76,19 +76,6 @@ def test_results_are_the_same_in_processes(noisy, tmp_path):
     with ProcessPoolExecutor(2) as pool:
         found = run_campaign(noisy_mean, CASES, tmp_path, seed=7, repeats=2, executor=pool, progress=False)
     same(found, noisy)
-
-
-def test_results_are_the_same_on_a_dask_cluster(noisy, tmp_path):
-    from distributed import Client, LocalCluster
-
-    options = {"n_workers": 2, "threads_per_worker": 1, "dashboard_address": None, "worker_dashboard_address": None}
-    with LocalCluster(processes=True, **options) as cluster, Client(cluster) as client:
-        with client.get_executor() as pool:
-            found = run_campaign(noisy_mean, CASES, tmp_path, seed=7, repeats=2, executor=pool, progress=False)
-            with pytest.warns(UserWarning, match="1 of 3 runs failed"):
-                failed = run_campaign(inverse, grid({"value": [1, 0, 2]}), tmp_path / "inverse", executor=pool)
-    same(found, noisy)
-    assert failed["result"][[0, 2]].tolist() == [1, 0.5] and failed.error[1] == "ZeroDivisionError"
 
 
 def test_cases_and_repeats_can_be_added_anywhere_in_a_table_or_a_list(noisy, tmp_path):
@@ -200,7 +187,7 @@ def test_a_failure_is_kept_with_its_inputs(tmp_path):
         table = run(inverse, grid({"value": [2.0, 0.0, "x", 4.0]}), tmp_path, seed=None)
     assert table["result"][[0, 3]].tolist() == [0.5, 0.25] and table["result"][[1, 2]].isna().all()
     assert table["value"].tolist() == [2.0, 0.0, "x", 4.0]
-    assert table["error"][[1, 2]].tolist() == ["ZeroDivisionError", "TypeError"]
+    assert table["exception"][[1, 2]].tolist() == ["ZeroDivisionError", "TypeError"]
     assert "return 1 / value" in table["traceback"][1]
     assert table["attempts"].tolist() == [1, 1, 1, 1]
 
@@ -209,12 +196,12 @@ def test_failures_are_tried_again_if_asked(tmp_path):
     cases = [{"path": str(tmp_path / "calls"), "times": 2}]
     folder = tmp_path / "campaign"
     with pytest.warns(UserWarning, match="1 of 1 runs failed"):
-        assert run(flaky, cases, folder).error[0] == "OSError"
+        assert run(flaky, cases, folder).exception[0] == "OSError"
     with pytest.warns(UserWarning, match="1 of 1 runs failed"):
         run(flaky, cases, folder)
     assert (tmp_path / "calls").stat().st_size == 1  # a failure is kept unless it is asked for again
     table = run(flaky, cases, folder, again=True, retries=3)
-    assert table["result"].tolist() == [3] and table["attempts"].tolist() == [2] and table.error.isna().all()
+    assert table["result"].tolist() == [3] and table["attempts"].tolist() == [2] and table.exception.isna().all()
 
 
 def test_a_retry_has_the_same_random_numbers():
@@ -260,6 +247,8 @@ def test_what_goes_in_comes_out(tmp_path_factory, values):
         for value, found in zip(values, table[column], strict=True):
             if value is None or value != value:
                 assert pd.isna(found)
+            elif isinstance(value, list):
+                assert repr(found) == repr(value)  # in text NaN is NaN
             else:
                 assert found == value and isinstance(found, str) == isinstance(value, str)
 

@@ -18,10 +18,10 @@ def attempt(function: Callable[..., Any], arguments: dict[str, Any], seed: str |
             keywords = arguments if seed is None else arguments | {"rng": case_generator(seed)}
             outputs = _outputs(function(**keywords))
         except Exception as error:
-            row = failure(error, count) | {"duration": time.perf_counter() - start}
+            row = failure(error, count) | {"run_time": time.perf_counter() - start}
         else:
-            good = {"output": outputs, "attempts": count, "error": None, "message": None, "traceback": None}
-            return good | {"duration": time.perf_counter() - start}
+            good = {"output": outputs, "attempts": count, "exception": None, "message": None, "traceback": None}
+            return good | {"run_time": time.perf_counter() - start}
     return row
 
 
@@ -31,10 +31,10 @@ def failure(error: BaseException, attempts: int) -> dict[str, Any]:
     return {
         "output": {},
         "attempts": attempts,
-        "error": qualified_name(type(error)).removeprefix("builtins."),
+        "exception": qualified_name(type(error)).removeprefix("builtins."),
         "message": str(error),
         "traceback": text,
-        "duration": None,
+        "run_time": None,
     }
 
 

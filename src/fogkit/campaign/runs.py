@@ -76,9 +76,9 @@ def run_campaign(
     -------
     DataFrame
         One row for each run in the order of the cases: inputs, outputs (a single value as ``result``; arrays as lists),
-        then `repeat`, `seed` (for `case_generator`), `duration` in s, `attempts`, and for a failure the class of the
-        `error`, its `message` and `traceback`. An input or output that would share the name of another column keeps the
-        one it has in the files, such as ``input.seed`` or ``output.duration``.
+        then `repeat`, `seed` (for `case_generator`), `run_time` in s, `attempts`, and for a failure the class of the
+        `exception`, its `message` and `traceback`. An input or output that would share the name of another column
+        keeps the one it has in the files, such as ``input.seed`` or ``output.message``.
 
     Raises
     ------
@@ -217,7 +217,7 @@ def _collect(folder: Path, finished: Iterator[tuple[dict[str, Any], Future] | No
                 if item is not None:
                     label, future = item
                     waiting.append(label | _row(future))
-                    failed += waiting[-1]["error"] is not None
+                    failed += waiting[-1]["exception"] is not None
                     shown.update()
                     if failed:
                         shown.set_postfix(failed=failed, refresh=False)
@@ -245,12 +245,12 @@ def _finished(folder: Path, places: Mapping[str, int], repeats: int, parameters:
     table = store.gathered(folder)
     result = store.ordered(table, table["identity"].map(places), parameters)
     assert len(result) == len(places) * repeats
-    failed = result[result["error"].notna()]
+    failed = result[result["exception"].notna()]
     if len(failed):
         first = failed.iloc[0]
         warnings.warn(
-            f"{len(failed)} of {len(result)} runs failed, the first with {first['error']}: {first['message']}. Their "
-            "rows hold the traceback; `again=True` runs them again",
+            f"{len(failed)} of {len(result)} runs failed, the first with {first['exception']}: {first['message']}. "
+            "Their rows hold the traceback; `again=True` runs them again",
             stacklevel=3,
         )
     return result

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from pyarrow import Table
 
 FORMAT = 1
-BOOKKEEPING = ("seed", "duration", "attempts", "error", "message", "traceback")
+BOOKKEEPING = ("seed", "run_time", "attempts", "exception", "message", "traceback")
 """Columns of a result beside its inputs and outputs."""
 
 
@@ -129,9 +129,9 @@ def stored(folder: Path) -> dict[tuple[str, int], bool]:
     """Runs that are on the disk, by identity of the case and number of the repeat: whether each succeeded."""
     found: dict[tuple[str, int], bool] = {}
     for path in parts(folder):
-        table = _read(path, ["identity", "repeat", "error"])
-        for *run, error in zip(*(column.to_pylist() for column in table.columns), strict=True):
-            found[tuple(run)] = found.get(tuple(run), False) or error is None
+        table = _read(path, ["identity", "repeat", "exception"])
+        for *run, exception in zip(*(column.to_pylist() for column in table.columns), strict=True):
+            found[tuple(run)] = found.get(tuple(run), False) or exception is None
     return found
 
 
@@ -199,7 +199,7 @@ def gathered(folder: Path) -> "DataFrame":
     columns = dict.fromkeys(["identity", "place", "repeat", *BOOKKEEPING]) | seen
     table = pd.concat(frames, ignore_index=True) if frames else pd.DataFrame()
     table = table.reindex(columns=list(columns))
-    best_last = table.assign(_success=table["error"].isna()).sort_values("_success", kind="stable")
+    best_last = table.assign(_success=table["exception"].isna()).sort_values("_success", kind="stable")
     return best_last.drop_duplicates(["identity", "repeat"], keep="last").drop(columns="_success")
 
 
