@@ -45,7 +45,7 @@ def map_cases(
 
     See Also
     --------
-    run_campaign : the same with results on the disk, for work that takes hours.
+    fogkit.campaign.runs.run_campaign : the same with results on the disk, for work that takes hours.
 
     Examples
     --------
