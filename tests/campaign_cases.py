@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fogkit.campaign import grid, run_campaign
+
 
 @dataclass(frozen=True, kw_only=True)
 class Gyro:
@@ -85,12 +87,7 @@ def slow_mean(bias, rng):
     return rng.standard_normal() + bias
 
 
-def slow_campaign(folder):
-    """Forty of them on two threads, each stored as it comes."""
-    from concurrent.futures import ThreadPoolExecutor
-
-    from fogkit.campaign import grid, run_campaign
-
-    with ThreadPoolExecutor(2) as pool:
-        cases = grid({"bias": range(40)})
-        return run_campaign(slow_mean, cases, folder, seed=3, executor=pool, interval=0, progress=False)
+def slow_campaign(folder, executor):
+    """Forty of them, each stored as it comes."""
+    cases = grid({"bias": range(40)})
+    return run_campaign(slow_mean, cases, folder, seed=3, executor=executor, interval=0, progress=False)

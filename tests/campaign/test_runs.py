@@ -106,8 +106,8 @@ def _seed(case):
 
 
 def test_a_killed_campaign_goes_on_where_it_stopped(tmp_path):
-    code = f"import sys; sys.path[:0] = {sys.path!r}; from campaign_cases import slow_campaign as run; run(sys.argv[1])"
-    killed = subprocess.Popen([sys.executable, "-c", code, str(tmp_path)])
+    code = f"import sys; sys.path[:0] = {sys.path!r}; import campaign_cases as c; c.slow_campaign(sys.argv[1], None)"
+    killed = subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], stdout=subprocess.PIPE)
     try:
         deadline = time.monotonic() + 60
         while len(store.parts(tmp_path)) < 8:
@@ -115,14 +115,16 @@ def test_a_killed_campaign_goes_on_where_it_stopped(tmp_path):
             time.sleep(0.002)
     finally:
         killed.kill()
-        killed.wait()
+        killed.communicate(timeout=30)  # the pipe ends when the last of its workers does
     before = {path: path.read_bytes() for path in store.parts(tmp_path)}
     begun = read_campaign(tmp_path)
     assert 8 <= len(begun) < 40
-    calls = _counted(lambda: slow_campaign(tmp_path))
-    assert calls == 40 - len(begun)  # none that was stored is run again
+    with ThreadPoolExecutor(2) as pool:
+        stored = _counted(lambda: slow_campaign(tmp_path, pool))
+        whole = slow_campaign(tmp_path / "whole", pool)
+    assert stored == 40 - len(begun)  # none that was stored is run again
     assert all(path.read_bytes() == content for path, content in before.items())
-    same(read_campaign(tmp_path), slow_campaign(tmp_path / "whole"))
+    same(read_campaign(tmp_path), whole)
 
 
 def _counted(action):
@@ -275,7 +277,7 @@ def test_the_loss_of_a_worker_ends_the_run_and_keeps_what_came(tmp_path):
 
 def test_a_process_pool_is_made_where_none_is_given(tmp_path, monkeypatch):
     # Python 3.12 and later warn where a process with threads is forked, as one of the tests is: threads stand in
-    monkeypatch.setattr(runs, "ProcessPoolExecutor", ThreadPoolExecutor)
+    monkeypatch.setattr(runs, "process_pool", ThreadPoolExecutor)
     assert run_campaign(scaled, [{"value": 2}], tmp_path, progress=False)["result"].tolist() == [2]
 
 

@@ -1,5 +1,8 @@
 """One function over many cases, on any executor: results in memory, in the order of the cases."""
 
+import multiprocessing
+import os
+import threading
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import Executor, Future, ProcessPoolExecutor
 from contextlib import closing
@@ -55,7 +58,7 @@ def map_cases(
     [2.3, 2.346]
     """
     if executor is None:
-        with ProcessPoolExecutor() as pool:
+        with process_pool() as pool:
             return map_cases(function, cases, executor=pool, progress=progress)
     cases = list(cases)
     for i, case in enumerate(cases):
@@ -114,6 +117,21 @@ def completed(
     finally:
         for future in pending:
             future.cancel()
+
+
+def process_pool() -> ProcessPoolExecutor:
+    """Processes, one for each processor, that end when this one is killed; by themselves they would wait forever."""
+    return ProcessPoolExecutor(initializer=_end_with_parent)
+
+
+def _end_with_parent() -> None:
+    """In a worker: watch the process that made it."""
+
+    def watch() -> None:
+        multiprocessing.parent_process().join()
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
 
 
 def bar(progress: bool | str, total: int, initial: int = 0):

@@ -6,7 +6,7 @@ import platform
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future, ProcessPoolExecutor
+from concurrent.futures import BrokenExecutor, CancelledError, Executor, Future
 from contextlib import closing, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,7 @@ from fogkit.campaign import store
 from fogkit.campaign.attempts import attempt, failure
 from fogkit.campaign.cases import brief, places_of, rows, stored_inputs
 from fogkit.campaign.identity import encoded, importable_name, seed_text, source_digest
-from fogkit.campaign.mapping import WINDOW, bar, completed
+from fogkit.campaign.mapping import WINDOW, bar, completed, process_pool
 from fogkit.campaign.store import CampaignMismatchError
 
 if TYPE_CHECKING:
@@ -143,7 +143,7 @@ def run_campaign(
         labels = _labels(cases, places, repeats, done, seed)
         calls = ((label, (attempt, function, {**common, **case}, label["seed"], retries), {}) for label, case in labels)
         shown = bar(progress, len(places) * repeats, len(done))
-        with ProcessPoolExecutor() if executor is None else nullcontext(executor) as pool:
+        with process_pool() if executor is None else nullcontext(executor) as pool:
             _collect(folder, completed(pool, calls, window=window, tick=interval or None), interval, shown)
     return _finished(folder, places, repeats, asked["parameters"])
 
