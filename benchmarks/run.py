@@ -23,7 +23,7 @@ import pyarrow.parquet as pq
 from fogkit import io
 from fogkit.calibration import bench_fit, multiposition, three_stage
 from fogkit.calibration.navigation_based import calibrate
-from fogkit.campaign import map_cases
+from fogkit.campaign import grid, map_cases, run_campaign
 from fogkit.imu import Construction, GyroTriad, LinearTriad, MeasurementUnit, Sensors, SizeEffect
 from fogkit.imu.tables import IMU_COLUMNS
 from fogkit.navigation import State, increments_from_motion, integrate, integrate_arrays
@@ -460,6 +460,32 @@ def recordings() -> None:
         show("peak memory of a process that does this and nothing else", f"{memory / 1e6:.0f} MB", "bound 2000 MB")
 
 
+def campaigns() -> None:
+    """What a stored and seeded run costs beside its function, against a plain loop and against results in memory."""
+    count = 5000
+    levels = {"length": np.linspace(500.0, 1500.0, count)}
+    lengths = grid(levels)
+
+    def stored(workers: ThreadPoolExecutor | ProcessPoolExecutor) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            run_campaign(coil_with_noise, lengths, folder, seed=1, executor=workers, progress=False)
+
+    cases = [{"length": float(length), "rng": np.random.default_rng(1)} for length in levels["length"]]
+    plain = median_time(lambda: [coil_with_noise(**case) for case in cases], runs=3) / count
+    show(f"a function of microseconds in a plain loop of {count}, each", f"{plain * 1e6:.0f} us", "")
+    for name, kind in (("thread", ThreadPoolExecutor), ("process", ProcessPoolExecutor)):
+        with kind(1) as pool:
+            mapped = median_time(lambda: map_cases(coil_with_noise, cases, executor=pool), runs=3) / count
+            kept = median_time(lambda: stored(pool), runs=3) / count
+        show(f"the same by map_cases, one {name}, beyond that", f"{(mapped - plain) * 1e6:.0f} us", "")
+        show(f"the same as a campaign, seeded and stored, one {name}", f"{(kept - plain) * 1e6:.0f} us", "")
+
+
+def coil_with_noise(length: float, rng: np.random.Generator) -> float:
+    """A cheap case."""
+    return length + float(rng.standard_normal())
+
+
 def import_time() -> None:
     """Importing the package, against starting Python."""
 
@@ -484,6 +510,7 @@ def main() -> None:
     navigation_calibrations()
     gyrocompass()
     recordings()
+    campaigns()
     import_time()
 
 
