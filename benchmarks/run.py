@@ -7,17 +7,25 @@ import multiprocessing
 import os
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import psutil
+import pyarrow as pa
+import pyarrow.csv
+import pyarrow.parquet as pq
 
-from fogkit.calibration import bench_fit, three_stage
+from fogkit import io
+from fogkit.calibration import bench_fit, multiposition, three_stage
 from fogkit.calibration.navigation_based import calibrate
 from fogkit.campaign import map_cases
 from fogkit.imu import Construction, GyroTriad, LinearTriad, MeasurementUnit, Sensors, SizeEffect
+from fogkit.imu.tables import IMU_COLUMNS
 from fogkit.navigation import State, increments_from_motion, integrate, integrate_arrays
 from fogkit.noise import RandomErrors, allan_deviation, identify
 from fogkit.noise import simulate as simulate_errors
@@ -26,7 +34,7 @@ from fogkit.optics.measure import simulated_drift
 from fogkit.optics.motion import AngularOscillation
 from fogkit.reproduction.miklyashev import FIGURE_1_ACCELERATION, SIMULATED, SIMULATED_ACCELERATIONS
 from fogkit.rotation import small_angle_between
-from fogkit.stand import RateTable, RoughTable, bench, nine_tests, plans, turn_recordings
+from fogkit.stand import Laboratory, RateTable, RoughTable, bench, nine_tests, observations, plans, turn_recordings
 from fogkit.units import ARCMIN, ARCSEC, DEG, DEG_PER_HOUR, DEG_PER_HOUR_PER_SQRT_HOUR, DEG_PER_SQRT_HOUR
 
 OSCILLATION = AngularOscillation(acceleration=FIGURE_1_ACCELERATION, frequency=60.0)
@@ -383,6 +391,75 @@ def gyrocompass() -> None:
     show("100 seeds of the thesis's run of 900 s at 100 Hz, on all threads", f"{elapsed:.1f} s", "bound 60 s on 2")
 
 
+def write_six_positions(folder: Path, kind: str, count: int, rate: float) -> Path:
+    """Recording of six positions with white noise, written piece by piece; path of its description."""
+    laboratory, latitude = Laboratory(latitude=1.0), 1.0
+    plan = io.PlanReference(kind="six-positions", parameters={"duration": count / 6 / rate})
+    names = [*IMU_COLUMNS]
+    description = io.RecordingDescription(
+        file=io.FileFormat(path=f"data.{kind}", rows=count),
+        clock=io.Clock(column="time", unit="s"),
+        gyro=io.Channels(columns=names[:3], unit="rad/s"),
+        accel=io.Channels(columns=names[3:], unit="m/s^2"),
+        latitude=latitude,
+        plan=plan,
+    )
+    (folder / "recording.toml").write_text(description.to_toml(), encoding="utf-8")
+    schema = pa.schema([("time", pa.float64()), *((name, pa.float32()) for name in names)])
+    rng, data = np.random.default_rng(1), folder / f"data.{kind}"
+    writer = pq.ParquetWriter(data, schema) if kind == "parquet" else pyarrow.csv.CSVWriter(data, schema)
+    with writer:
+        done = 0
+        for placement in plan.build().placements:
+            inputs = np.concatenate(laboratory.mean_inputs(placement)).astype(np.float32)
+            for first in range(0, count // 6, 500_000):
+                n = min(500_000, count // 6 - first)
+                noise = rng.standard_normal((6, n), dtype=np.float32)
+                noise *= np.repeat(np.float32([1e-5, 1e-3]), 3)[:, None]
+                columns = [(done + np.arange(n)) / rate, *(noise + inputs[:, None])]
+                writer.write_table(pa.table(columns, schema=schema))
+                done += n
+    return folder / "recording.toml"
+
+
+def survey_and_calibrate(path: str) -> None:
+    """A long recording judged, reduced, Allan-analysed and calibrated; prints seconds and bytes at most in memory."""
+    start = time.perf_counter()
+    found = io.survey(path, reduced_rate=1.0, allan=True, progress="24 hours")
+    if found.verdict.severity != "good" or found.segmentation is None:
+        raise SystemExit(f"{found.verdict!r}")
+    schedule = found.description.plan.build()
+    observed = observations(*io.placed(found.reduced, found.segmentation, schedule), Laboratory(latitude=1.0))
+    multiposition.calibrate_accelerometers(observed)
+    print(time.perf_counter() - start, time.process_time(), peak_memory())
+
+
+def recordings() -> None:
+    """Recordings of users: 10 million rows of text in memory, 24 hours at 1 kHz in one pass."""
+    with tempfile.TemporaryDirectory() as name:
+        path = write_six_positions(Path(name), "csv", 9_999_996, 1000.0)
+
+        def whole() -> None:
+            recording = io.read(path)
+            if io.check(recording).severity != "good" or len(io.segment(recording).segments) != 6:
+                raise SystemExit("the recording of the benchmark is not judged as it should be")
+
+        start = time.process_time()
+        elapsed = median_time(whole, runs=1)
+        processor = (time.process_time() - start) / 2
+        peer = median_time(lambda: pd.read_csv(path.with_name("data.csv")), runs=1)
+        show("text of 10 million rows, read, checked, segmented", f"{elapsed:.1f} s", "bound 20 s")
+        show("processor time of that, all threads", f"{processor:.1f} s", "")
+        show("pandas.read_csv of the same file", f"{peer:.1f} s", f"{peer / elapsed:.1f} times as long")
+    with tempfile.TemporaryDirectory() as name:
+        path = write_six_positions(Path(name), "parquet", 86_400_000, 1000.0)
+        command = [sys.executable, __file__, "survey", str(path)]
+        told = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
+        elapsed, processor, memory = map(float, told.split())
+        show("24 h, 1 kHz, 6 axes: reduced, Allan, calibrated", f"{elapsed:.0f} s", f"processor {processor:.0f} s")
+        show("peak memory of a process that does this and nothing else", f"{memory / 1e6:.0f} MB", "bound 2000 MB")
+
+
 def import_time() -> None:
     """Importing the package, against starting Python."""
 
@@ -406,6 +483,7 @@ def main() -> None:
     rough_table()
     navigation_calibrations()
     gyrocompass()
+    recordings()
     import_time()
 
 
@@ -413,5 +491,7 @@ if __name__ == "__main__":
     if sys.argv[1:] == ["memory"]:
         simulated_drift(SIMULATED, OSCILLATION, 180.0)
         print(peak_memory())
+    elif sys.argv[1:2] == ["survey"]:
+        survey_and_calibrate(sys.argv[2])
     else:
         main()

@@ -43,6 +43,7 @@ Modules, each importing only from those above it
 `fogkit.campaign`       many runs of anything, on any executor
 `fogkit.claims`         the ledger of claims: what the papers state, and what became of it
 `fogkit.reproduction`   the papers: instruments, derivations, figures, values of the ledger
+`fogkit.io`             recordings of users: read, judged, segmented, reduced, written
 `fogkit.plotting`       figures
 ======================  ==============================================================================================
 
@@ -54,7 +55,7 @@ import importlib
 __version__ = "0.1.0"
 
 _MODULES = {
-    *("calibration", "campaign", "checks", "claims", "constants", "earth", "estimation", "gyrocompass", "imu"),
+    *("calibration", "campaign", "checks", "claims", "constants", "earth", "estimation", "gyrocompass", "imu", "io"),
     *("navigation", "noise", "optics", "plotting", "reproduction", "results", "rotation", "stand", "thermal", "units"),
 }
 
