@@ -27,6 +27,10 @@ A recording of your own is a file of numbers and a recording.toml beside it that
 writes an example. Exit codes: 0 done, 1 bad data, 2 bad usage, 130 interrupted."""
 
 
+class UsageError(ValueError):
+    """An argument that parses and cannot be used; the message is one sentence."""
+
+
 def parser() -> ArgumentParser:
     """Parser of the whole command line."""
     root = ArgumentParser(
@@ -80,7 +84,14 @@ def latitude(text: str) -> float:
 
 
 def _command(
-    commands: _SubParsersAction, name: str, run: str, short: str, text: str, example: str, then: str, source: bool = True
+    commands: _SubParsersAction,
+    name: str,
+    run: str,
+    short: str,
+    text: str,
+    example: str,
+    then: str,
+    source: bool = True,
 ) -> ArgumentParser:
     """A command that says what it does, how it is called, and what comes next."""
     epilog = f"example:\n  {example}\n\nnext:\n  {then}"
@@ -331,7 +342,9 @@ def _simulate(commands: _SubParsersAction) -> None:
     made.add_argument("--sample-rate", type=positive, default=None, metavar="HZ", help="samples per second")
     made.add_argument("--duration", type=positive, default=None, metavar="S", help="of each position, dwell or rate, s")
     made.add_argument("--grade", choices=GRADES, default=None, help="how good the unit is")
-    made.add_argument("--heading", type=float, default=None, metavar="DEG", help="of the mount, for `north`; drawn if not")
+    made.add_argument(
+        "--heading", type=float, default=None, metavar="DEG", help="of the mount, for `north`; drawn if not"
+    )
     made.add_argument("--format", choices=("csv", "parquet", "npz", "matlab"), default="csv", help="of the data (csv)")
     made.add_argument("--plan", choices=PLANS, default=None, metavar="KIND", help="another plan that the method takes")
     _parameter(made)

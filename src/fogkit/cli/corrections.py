@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fogkit import checks
+from fogkit.cli.arguments import UsageError
 from fogkit.cli.files import described, read_text, versions
 from fogkit.cli.loading import inputs
 from fogkit.cli.results import Result
@@ -117,7 +118,7 @@ def apply(args: Namespace) -> Result:
     description = recording.description
     target = Path(args.folder) / Path(args.recording).name
     if target.resolve() == Path(args.recording).resolve():
-        raise RecordingError(f"{args.folder} is the folder of the recording itself: the raw one is not overwritten")
+        raise UsageError(f"{args.folder} is the folder of the recording itself: the raw one is not overwritten")
     plain = replace(description, file=replace(description.file, path=Path(description.file.path).name))
     write(table, _without_counts(plain), target)
     lost = len(table) - int(np.isfinite(table[list(GYRO_COLUMNS)].to_numpy(dtype=float)).all(axis=1).sum())

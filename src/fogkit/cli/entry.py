@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from fogkit.cli.arguments import parser
+from fogkit.cli.arguments import UsageError, parser
 
 if TYPE_CHECKING:
     from fogkit.cli.results import Result
@@ -45,8 +45,11 @@ def main(argv: Sequence[str] | None = None) -> int:
 def _run(args: Namespace) -> int:
     """Run one command; errors of the data become a sentence."""
     try:
-        result, texts = _called(_function(args.run), args)
+        result = _called(_function(args.run), args)
         _write(args, result)
+    except UsageError as error:
+        _say(f"fogkit: {error}")
+        return BAD_USAGE
     except Exception as error:
         if args.debug:
             raise
@@ -56,8 +59,6 @@ def _run(args: Namespace) -> int:
         from fogkit.cli.summaries import summary
 
         print(summary(result), flush=True)
-        for text in texts:
-            _say(f"fogkit: warning: {text}")
     bad = [f for f in result.findings if f.severity == "bad"]
     if bad:
         more = f", and {len(bad) - 1} more" * (len(bad) > 1)
@@ -71,8 +72,8 @@ def _function(name: str) -> Callable[[Namespace], "Result"]:
     return getattr(import_module(f"fogkit.cli.{module}"), function)
 
 
-def _called(function: Callable[[Namespace], "Result"], args: Namespace) -> "tuple[Result, list[str]]":
-    """Result of a command, its warnings among the findings, and their texts."""
+def _called(function: Callable[[Namespace], "Result"], args: Namespace) -> "Result":
+    """Result of a command, its warnings among the findings."""
     import warnings
     from dataclasses import replace
 
@@ -85,7 +86,7 @@ def _called(function: Callable[[Namespace], "Result"], args: Namespace) -> "tupl
         result = function(args)
     texts = list(dict.fromkeys(first_sentence(w.message, 400) for w in caught if issubclass(w.category, UserWarning)))
     found = [Finding(check="warning", severity="doubtful", text=text) for text in texts]
-    return replace(result, findings=[*result.findings, *found]), texts
+    return replace(result, findings=[*result.findings, *found])
 
 
 def _write(args: Namespace, result: "Result") -> None:

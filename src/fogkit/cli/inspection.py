@@ -58,7 +58,9 @@ def allan(args: Namespace) -> Result:
         tables[f"allan {name}"] |= {"fit": np.sqrt(fit.estimate.allan_variance(channel.tau))}
         estimates = estimates.joined(_coefficients(name, fit))
         severity = "good" if fit.p_value > 1e-3 else "doubtful"
-        text = f"chi-square {fit.chi_square:.3g} with {fit.degrees_of_freedom} degrees of freedom, p = {fit.p_value:.2g}"
+        text = (
+            f"chi-square {fit.chi_square:.3g} with {fit.degrees_of_freedom} degrees of freedom, p = {fit.p_value:.2g}"
+        )
         findings.append(Finding(check="fit", severity=severity, text=text, channel=name))
     return Result(
         command="allan",

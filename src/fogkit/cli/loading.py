@@ -43,7 +43,9 @@ class Loaded:
         """The plan that was carried out; `RecordingError` if the description has none."""
         reference = self.recording.description.plan
         if reference is None:
-            raise RecordingError(f"{self.path.name} must say in [plan] what was done: `fogkit plan --help` has the plans")
+            raise RecordingError(
+                f"{self.path.name} must say in [plan] what was done: `fogkit plan --help` has the plans"
+            )
         return reference.build()
 
     @property

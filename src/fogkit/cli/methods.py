@@ -4,7 +4,8 @@ import tomllib
 from collections.abc import Sequence
 from typing import Any
 
-from fogkit.io.errors import RecordingError, first_sentence
+from fogkit.cli.arguments import UsageError
+from fogkit.io.errors import first_sentence
 from fogkit.io.plan_names import PlanReference
 from fogkit.stand import placements
 
@@ -17,6 +18,8 @@ KINDS: dict[str, tuple[str, ...]] = {
     "allan": ("placements",),
 }
 """Plans of each method, the one that `simulate` takes first."""
+
+_EXAMPLES = {"gyrocompass": "north", "placements": "multiposition"}
 
 
 def default_plan(method: str, duration: float | None = None) -> PlanReference:
@@ -46,18 +49,21 @@ def default_plan(method: str, duration: float | None = None) -> PlanReference:
 
 
 def chosen_plan(kind: str, parameters: Sequence[str]) -> PlanReference:
-    """Plan by its name and ``name=value`` texts; values are written as in TOML.
+    """Plan by its name and ``name=value`` texts; values are written as in TOML. Plans without defaults are
+    those of `simulate` if nothing is given.
 
     Raises
     ------
-    RecordingError
+    UsageError
         If a text is none of these, or the plan cannot be built.
     """
+    if not parameters and kind in _EXAMPLES:  # these have no defaults
+        return default_plan(_EXAMPLES[kind])
     values: dict[str, Any] = {}
     for text in parameters:
         name, sign, value = text.partition("=")
         if not sign:
-            raise RecordingError(f"a parameter of a plan must be NAME=VALUE, got {text!r}")
+            raise UsageError(f"a parameter of a plan must be NAME=VALUE, got {text!r}")
         try:
             values[name.strip()] = tomllib.loads(f"value = {value}")["value"]
         except tomllib.TOMLDecodeError:
@@ -65,4 +71,4 @@ def chosen_plan(kind: str, parameters: Sequence[str]) -> PlanReference:
     try:
         return PlanReference(kind=kind, parameters=values)
     except (ValueError, TypeError) as error:
-        raise RecordingError(f"the plan {kind!r} cannot be built: {first_sentence(error)}") from None
+        raise UsageError(f"the plan {kind!r} cannot be built: {first_sentence(error)}") from None

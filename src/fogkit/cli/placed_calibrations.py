@@ -110,7 +110,9 @@ def residual_finding(channel: str, solution: Solution) -> Finding:
     if p >= UNLIKELY:
         return Finding(check="residuals", severity="good", text=text, channel=channel)
     ratio = np.sqrt(solution.chi_square / solution.degrees_of_freedom)
-    text += f": errors of the table or the unit's shape are {ratio:.3g} times the noise, so standard deviations are too "
+    text += (
+        f": errors of the table or the unit's shape are {ratio:.3g} times the noise, so standard deviations are too "
+    )
     return Finding(check="residuals", severity="doubtful", text=text + "small", channel=channel)
 
 
@@ -165,7 +167,9 @@ def _common_rate(placements: Sequence[Any], wanted: float | None) -> float | Non
     if wanted is not None:
         near = [rate for rate in there if np.isclose(rate, wanted, rtol=1e-6)]
         if not near:
-            raise RecordingError(f"the plan has no turns at {wanted / DEG_PER_SECOND:g} deg/s both ways about each axis")
+            raise RecordingError(
+                f"the plan has no turns at {wanted / DEG_PER_SECOND:g} deg/s both ways about each axis"
+            )
         return exact[near[0]]
     usual = [rate for rate in there if np.isclose(rate, 150 * DEG_PER_SECOND)]
     return exact[(usual or there)[-1]] if there else None

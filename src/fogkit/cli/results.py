@@ -79,6 +79,8 @@ class Estimates(FrozenArrays):
 
     def joined(self, other: "Estimates") -> "Estimates":
         """Both, taken as independent of each other; no covariance if one has none."""
+        if not len(self):
+            return other
         covariance = None
         if self.covariance is not None and other.covariance is not None:
             n = len(self)
@@ -187,7 +189,9 @@ class Result:
             covariance = e["covariance"]
             if covariance is not None:
                 covariance = np.array([_floats(row) for row in covariance], dtype=float).reshape(n, n)
-            estimates = Estimates(names=e["names"], units=e["units"], values=_floats(e["values"]), covariance=covariance)
+            estimates = Estimates(
+                names=e["names"], units=e["units"], values=_floats(e["values"]), covariance=covariance
+            )
             return cls(
                 command=data["command"],
                 estimates=estimates,

@@ -10,6 +10,7 @@ import numpy as np
 from fogkit import checks
 from fogkit.cli import simulated_records as records
 from fogkit.cli import simulated_units as units
+from fogkit.cli.arguments import UsageError
 from fogkit.cli.files import versions, write_whole
 from fogkit.cli.methods import KINDS, chosen_plan, default_plan
 from fogkit.cli.results import Estimates, Result
@@ -33,20 +34,20 @@ def simulate(args: Namespace) -> Result:
     """Write ``recording.toml``, the data beside it, and ``truth.json``, into a folder; the description comes last."""
     method, latitude = args.method, args.latitude * DEG
     rng = np.random.default_rng(args.seed)
-    rate = checks.positive("--sample-rate", args.sample_rate or SAMPLE_RATES.get(method, 20.0), "Hz")
+    rate = checks.positive("--sample-rate", args.sample_rate or SAMPLE_RATES.get(method, 10.0), "Hz")
     grade_name = args.grade or ("navigation" if method in ("navigation", "north") else "tactical")
     grade = units.GRADES[grade_name]
     if method == "thermal":
         from fogkit.cli.temperature import simulated
 
-        table, truth, plan = *simulated(rng, args.duration), None
+        table, truth, plan = *simulated(rng, args.duration, latitude), None
     else:
         plan = _plan(args)
         table, truth = _carried_out(method, plan, grade, 1 / rate, latitude, rng, args)
     folder = Path(args.folder)
     target = folder / "recording.toml"
     if target.exists() and not args.overwrite:
-        raise RecordingError(f"{target} is there already: give another folder, or --overwrite")
+        raise UsageError(f"{target} is there already: give another folder, or --overwrite")
     description = describe(table, f"recording.{SUFFIXES[args.format]}", latitude=latitude, plan=plan)
     parameters = {"method": method, "seed": args.seed, "sample_rate": rate, "grade": grade_name, "latitude": latitude}
     text = f"{len(table)} samples of {table.index[-1] - table.index[0]:.6g} s written to {target}"
@@ -76,7 +77,7 @@ def _plan(args: Namespace) -> PlanReference:
             return chosen_plan(KINDS[args.method][0], args.parameter)
         return default_plan(args.method, args.duration)
     if args.plan not in KINDS[args.method]:
-        raise RecordingError(f"{args.method} takes a plan {' or '.join(KINDS[args.method])}, got {args.plan!r}")
+        raise UsageError(f"{args.method} takes a plan {' or '.join(KINDS[args.method])}, got {args.plan!r}")
     return chosen_plan(args.plan, args.parameter)
 
 

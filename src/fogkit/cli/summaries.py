@@ -67,7 +67,9 @@ def _aligned(table: dict) -> list[str]:
     """A table as lines."""
     columns = [[name, *(_cell(v) for v in values)] for name, values in table.items()]
     widths = [max(map(len, column)) for column in columns]
-    return ["  ".join(f"{cell:>{w}}" for cell, w in zip(row, widths, strict=True)) for row in zip(*columns, strict=True)]
+    return [
+        "  ".join(f"{cell:>{w}}" for cell, w in zip(row, widths, strict=True)) for row in zip(*columns, strict=True)
+    ]
 
 
 def _cell(value: object) -> str:

@@ -1,20 +1,33 @@
 """``calibrate three-stage`` and ``navigation``: turns on a rate table, and on a rough one."""
 
 from argparse import Namespace
-from typing import Any
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fogkit.calibration.triad import PARAMETERS
 from fogkit.cli.corrections import compensation_correction, triad_correction
-from fogkit.cli.loading import Loaded, load
+from fogkit.cli.loading import load
 from fogkit.cli.placed_calibrations import residual_finding
 from fogkit.cli.results import Estimates, Result, table_of
 from fogkit.imu.tables import ACCEL_COLUMNS, GYRO_COLUMNS
 from fogkit.io.handover import bench_record, turn_tables
 from fogkit.io.verdicts import Finding
 from fogkit.noise import RandomErrors, identify
+from fogkit.stand.turn_tests import TurnTest
 from fogkit.units import ARCSEC, DEG_PER_SQRT_HOUR, MICRO_G
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+Array = NDArray[np.float64]
+
+NOISE_UNITS = {"gyros": (DEG_PER_SQRT_HOUR, "deg/sqrt(h)"), "accelerometers": (MICRO_G, "ug/sqrt(Hz)")}
+
+UNLIKELY = 1e-3
+"""Probability of a larger chi-square, of the worst of all stretches, below which noise is not white alone."""
 
 SCALE_UNIT = "1"  # rad/s of input per rad/s of reading
 
@@ -28,7 +41,12 @@ def three_stage(args: Namespace) -> Result:
 
     loaded = load(args.recording, ("three-stage",), "calibrate three-stage")
     record = bench_record(loaded.recording, loaded.segmentation, loaded.plan)
-    walk, finding = _white(loaded, GYRO_COLUMNS, args.gyro_noise, DEG_PER_SQRT_HOUR, "deg/sqrt(h)")
+    gyros = loaded.recording.table[list(GYRO_COLUMNS)].to_numpy(dtype=float)
+    margin = 0 if loaded.segmentation.exact else 1 + round(loaded.segmentation.windows.duration / loaded.recording.dt)
+    found = loaded.segmentation.labelled()
+    rests = [found[s.label] for s in loaded.plan.segments if s.turning is None]
+    dwells = [gyros[s.first + margin : s.last - margin] for s in rests]
+    walk, finding = _white(dwells, loaded.recording.dt, args.gyro_noise, "gyros")
     first = method.calibrate(record)
     triad = replace(first.triad, angle_random_walk=walk)
     table = RateTable(latitude=loaded.latitude, readout_noise=args.readout_noise * ARCSEC)
@@ -54,12 +72,13 @@ def navigation(args: Namespace) -> Result:
     loaded = load(args.recording, ("nine-tests",), "calibrate navigation")
     plan = loaded.plan
     tables = turn_tables(loaded.recording, loaded.segmentation, plan)
-    gyro, first = _white(loaded, GYRO_COLUMNS, args.gyro_noise, DEG_PER_SQRT_HOUR, "deg/sqrt(h)")
-    accel, second = _white(loaded, ACCEL_COLUMNS, args.accel_noise, MICRO_G, "ug/sqrt(Hz)")
+    dt = loaded.recording.dt
+    gyro, first = _white(_dwells(tables, plan, GYRO_COLUMNS, dt), dt, args.gyro_noise, "gyros")
+    accel, second = _white(_dwells(tables, plan, ACCEL_COLUMNS, dt), dt, args.accel_noise, "accelerometers")
     noise = SensorNoise(
         gyros=RandomErrors(angle_random_walk=gyro), accelerometers=RandomErrors(angle_random_walk=accel)
     )
-    R = plan_covariance(plan, loaded.recording.dt, noise, scale_factors=True)
+    R = plan_covariance(plan, dt, noise, scale_factors=True)
     gravity = loaded.recording.description.gravity
     found = calibrate(
         tables,
@@ -81,7 +100,10 @@ def navigation(args: Namespace) -> Result:
         "calibrate navigation",
         estimates=Estimates(
             names=list(frame.index),
-            units=["m/s^2" if name.startswith("B_a") else "rad/s" if name.startswith("B_g") else "1" for name in frame.index],
+            units=[
+                "m/s^2" if name.startswith("B_a") else "rad/s" if name.startswith("B_g") else "1"
+                for name in frame.index
+            ],
             values=frame["value"].to_numpy(),
             covariance=found.solution.covariance[np.ix_(order, order)],
         ),
@@ -92,26 +114,29 @@ def navigation(args: Namespace) -> Result:
     )
 
 
-def _white(
-    loaded: Loaded, columns: tuple[str, ...], given: float | None, factor: float, unit: str
-) -> tuple[float, Finding]:
-    """White noise of three sensors: as given, or as the longest dwell shows it, with what is to be said of that."""
-    sensor = "gyros" if columns == GYRO_COLUMNS else "accelerometers"
+def _white(rests: Sequence[Array], dt: float, given: float | None, sensors: str) -> tuple[float, Finding]:
+    """White noise of three sensors: as given, or as stretches of rest show it, with what is to be said of that."""
+    factor, unit = NOISE_UNITS[sensors]
     if given is not None:
-        return given * factor, Finding(check="noise", severity="good", text=f"{given:g} {unit} of the {sensor}, as given")
-    dwells = [s for s in loaded.segmentation.segments if s.kind == "dwell"]
-    longest = max(dwells, key=lambda s: s.duration)
-    table = loaded.recording.table[list(columns)].iloc[longest.first : longest.last]
-    values = table.to_numpy(dtype=float)
-    margin = 0 if loaded.segmentation.exact else max(1, len(values) // 20)  # part of an edge may be motion
-    values = values[margin : len(values) - margin]
-    found = [identify(values[:, i], loaded.recording.dt, processes=("angle_random_walk",)) for i in range(3)]
+        text = f"{given:g} {unit} of the {sensors}, as given"
+        return given * factor, Finding(check="noise", severity="good", text=text)
+    found = [identify(rest[:, i], dt, processes=("angle_random_walk",)) for rest in rests for i in range(3)]
     walk = float(np.sqrt(np.mean([f.estimate.angle_random_walk**2 for f in found])))
-    text = f"{walk / factor:.3g} {unit} of the {sensor}, white, from the longest dwell of {longest.duration:.4g} s"
-    if min(f.p_value for f in found) < 1e-3:
+    text = f"{walk / factor:.3g} {unit} of the {sensors}, white, from {len(rests)} stretches of rest"
+    if min(f.p_value for f in found) * len(found) < UNLIKELY:
         text += ": it is not white alone, so standard deviations are too small; give another with an option"
         return walk, Finding(check="noise", severity="doubtful", text=text)
     return walk, Finding(check="noise", severity="good", text=text)
+
+
+def _dwells(
+    tables: "Sequence[DataFrame]", plan: Sequence[TurnTest], columns: tuple[str, ...], dt: float
+) -> list[Array]:
+    """Readings in the first dwell of each test."""
+    return [
+        table[list(columns)].to_numpy(dtype=float)[: round(test.dwell / dt)] / dt
+        for table, test in zip(tables, plan, strict=True)
+    ]
 
 
 def _slopes(frame: Any) -> dict[str, Any]:

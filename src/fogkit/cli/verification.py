@@ -45,8 +45,12 @@ def verify(args: Namespace) -> Result:
     worst = int(np.argmax(np.abs(ratio)))
     alone = float(-np.expm1(len(common) * np.log1p(-2 * norm.sf(abs(ratio[worst])))))  # largest of so many
     findings = [
-        _finding("all together", f"chi-square {chi_square:.4g} of {len(common)} quantities, p = {together:.2g}", together),
-        _finding("largest", f"{common[worst]} departs by {ratio[worst]:.2f} standard deviations, p = {alone:.2g}", alone),
+        _finding(
+            "all together", f"chi-square {chi_square:.4g} of {len(common)} quantities, p = {together:.2g}", together
+        ),
+        _finding(
+            "largest", f"{common[worst]} departs by {ratio[worst]:.2f} standard deviations, p = {alone:.2g}", alone
+        ),
     ]
     left_out = [name for name in (*ours.names, *theirs.names) if name not in common]
     if left_out:
