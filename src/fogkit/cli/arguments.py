@@ -129,8 +129,8 @@ def _allan(commands: _SubParsersAction) -> None:
         "allan",
         "inspection:allan",
         "Allan deviation of the gyros of a unit at rest, and the random errors in it",
-        "Overlapping Allan deviation with confidence intervals, and from it angle random walk, bias instability and rate\n"
-        "random walk with their covariance (IEEE 952). The unit must rest in one position.",
+        "Overlapping Allan deviation with confidence intervals, and from it angle random walk, bias instability and\n"
+        "rate random walk with their covariance (IEEE 952). The unit must rest in one position.",
         "fogkit allan rest/recording.toml --output noise.json --report noise.html",
         "the angle random walk goes into `fogkit calibrate three-stage --gyro-noise`",
     )
@@ -160,8 +160,8 @@ def _calibrate(commands: _SubParsersAction) -> None:
         "multiposition",
         "placed_calibrations:multiposition",
         "positions on a plate, and turns: accelerometers and gyros",
-        "Bias and matrix of each sensor by least squares, from positions held on a plate, and of the gyros from turns.\n"
-        "Plans: placements, six-positions, twenty-four-points, full-turns.",
+        "Bias and matrix of each sensor by least squares, from positions held on a plate, and of the gyros from\n"
+        "turns. Plans: placements, six-positions, twenty-four-points, full-turns.",
         "fogkit calibrate multiposition demo/recording.toml --output found.json",
         then,
     )
@@ -193,8 +193,8 @@ def _calibrate(commands: _SubParsersAction) -> None:
         "three-stage",
         "turned_calibrations:three_stage",
         "four positions and whole turns on a three-axis table: gyros",
-        "Biases, scale factors of either sign and six misalignments of a gyro triad. The recording needs the readout of\n"
-        "the table as `angle`. Plan: three-stage.",
+        "Biases, scale factors of either sign and six misalignments of a gyro triad. The recording needs the readout\n"
+        "of the table as `angle`. Plan: three-stage.",
         "fogkit calibrate three-stage demo/recording.toml --readout-noise 1 --output found.json",
         then,
     )
@@ -207,13 +207,20 @@ def _calibrate(commands: _SubParsersAction) -> None:
         "navigation",
         "turned_calibrations:navigation",
         "dwells and turns on a rough turntable: everything but gyro biases",
-        "Accelerometer biases and both matrices, from how the computed velocity changes over nine turns. The turntable\n"
-        "may be worse than the unit. Plan: nine-tests.",
+        "Accelerometer biases and both matrices, from how the computed velocity changes over nine turns. The\n"
+        "turntable may be worse than the unit. Plan: nine-tests.",
         "fogkit calibrate navigation demo/recording.toml --output found.json",
         then,
     )
     _noise(made, "gyro", "deg/sqrt(h)")
     _noise(made, "accel", "ug/sqrt(Hz)")
+    for name, default, text in (
+        ("azimuth-error", 0.1, "of the table's azimuth, common to all tests"),
+        ("start-error", 0.15, "of the heading in which each test starts"),
+    ):
+        made.add_argument(
+            f"--{name}", type=float, default=default, metavar="DEG", help=f"standard deviation {text}, deg ({default})"
+        )
     made.add_argument("--iterations", type=whole, default=8, metavar="N", help="most iterations (8)")
 
 
@@ -296,8 +303,8 @@ def _apply(commands: _SubParsersAction) -> None:
         "apply",
         "corrections:apply",
         "write a recording with its readings corrected by a result",
-        "Corrects all samples of a recording, and writes it with its description into another folder: SI units, the form\n"
-        "of the file, axes, plan and place as they were.",
+        "Corrects all samples of a recording, and writes it with its description into another folder: SI units, the\n"
+        "form of the file, axes, plan and place as they were.",
         "fogkit apply found.json demo/recording.toml corrected",
         "`fogkit check corrected/recording.toml`, or calibrate it again: what is left should be noise",
         source=False,
@@ -329,8 +336,8 @@ def _simulate(commands: _SubParsersAction) -> None:
         "simulate",
         "simulation:simulate",
         "write a recording with known truth, to try everything at once",
-        "Writes recording.toml, the data, and truth.json, into a folder: what a unit with random errors records while the\n"
-        "plan of a method is carried out.",
+        "Writes recording.toml, the data, and truth.json, into a folder: what a unit with random errors records while\n"
+        "the plan of a method is carried out.",
         "fogkit simulate multiposition demo --seed 2 --format parquet",
         "`fogkit check demo/recording.toml`, then the command of the method",
         source=False,

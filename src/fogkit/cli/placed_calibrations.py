@@ -63,8 +63,8 @@ def multiposition(args: Namespace) -> Result:
 def rate_sequence(args: Namespace) -> Result:
     """Scale factor, bias and shape of each gyro from a sequence of rates, and the directions of the input axes.
 
-    Directions come from the turns of all axes at one rate. Their covariance with scale factors is left at zero: a gyro's
-    direction follows from turns about the other axes, its scale factor from those about its own.
+    Directions come from the turns of all axes at one rate. Their covariance with scale factors is left at zero: a
+    gyro's direction follows from turns about the other axes, its scale factor from those about its own.
     """
     loaded = load(args.recording, ("rate-sequence",), "calibrate rate-sequence")
     table, schedule = placed(loaded.recording, loaded.segmentation, loaded.plan)

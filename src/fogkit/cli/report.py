@@ -56,7 +56,8 @@ def page(result: Result) -> str:
     return (
         f'<!DOCTYPE html>\n<html lang="en">\n<head><meta charset="utf-8">'
         f'<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>fogkit {escape(result.command)}</title>\n<style>{STYLE}</style></head>\n<body>\n{body}\n</body>\n</html>\n"
+        f"<title>fogkit {escape(result.command)}</title>\n<style>{STYLE}</style></head>\n"
+        f"<body>\n{body}\n</body>\n</html>\n"
     )
 
 

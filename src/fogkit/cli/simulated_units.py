@@ -1,4 +1,4 @@
-"""Which unit is simulated, and what should its calibration find? Errors drawn at random, of a size that a grade says."""
+"""Which unit is simulated, and what should its calibration find? Errors at random, of the size of a grade."""
 
 from dataclasses import dataclass
 

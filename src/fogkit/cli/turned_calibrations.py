@@ -12,12 +12,13 @@ from fogkit.cli.corrections import compensation_correction, triad_correction
 from fogkit.cli.loading import load
 from fogkit.cli.placed_calibrations import residual_finding
 from fogkit.cli.results import Estimates, Result, table_of
+from fogkit.constants import EARTH_RATE
 from fogkit.imu.tables import ACCEL_COLUMNS, GYRO_COLUMNS
 from fogkit.io.handover import bench_record, turn_tables
 from fogkit.io.verdicts import Finding
 from fogkit.noise import RandomErrors, identify
 from fogkit.stand.turn_tests import TurnTest
-from fogkit.units import ARCSEC, DEG_PER_SQRT_HOUR, MICRO_G
+from fogkit.units import ARCSEC, DEG, DEG_PER_SQRT_HOUR, MICRO_G
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -79,6 +80,9 @@ def navigation(args: Namespace) -> Result:
         gyros=RandomErrors(angle_random_walk=gyro), accelerometers=RandomErrors(angle_random_walk=accel)
     )
     R = plan_covariance(plan, dt, noise, scale_factors=True)
+    R[: 2 * len(plan), : 2 * len(plan)] += heading_covariance(
+        plan, loaded.latitude, args.azimuth_error * DEG, args.start_error * DEG
+    )
     gravity = loaded.recording.description.gravity
     found = calibrate(
         tables,
@@ -108,10 +112,47 @@ def navigation(args: Namespace) -> Result:
             covariance=found.solution.covariance[np.ix_(order, order)],
         ),
         findings=findings,
-        parameters={"angle_random_walk": gyro, "velocity_random_walk": accel, "iterations": args.iterations},
+        parameters={
+            "angle_random_walk": gyro,
+            "velocity_random_walk": accel,
+            "iterations": args.iterations,
+            "azimuth_error": args.azimuth_error * DEG,
+            "start_error": args.start_error * DEG,
+        },
         tables={"iterations": table_of(found.log), "slopes": _slopes(found.slopes)},
         correction=compensation_correction(found.compensation),
     )
+
+
+def heading_covariance(plan: Sequence[TurnTest], latitude: float, azimuth: float, start: float) -> Array:
+    """Covariance of the measurements of a plan from headings that are not known.
+
+    Parameters
+    ----------
+    plan : sequence of TurnTest
+        The tests.
+    latitude : float
+        rad.
+    azimuth, start : float
+        Standard deviations, rad, of the heading of the table, common to all tests, and of each test's own.
+
+    Returns
+    -------
+    ndarray, shape (2 n, 2 n)
+        Differences of the slopes east and north of each test, (m/s^2)^2.
+
+    Notes
+    -----
+    A heading that is wrong by a small angle d takes ``d Omega cos(latitude)`` of the Earth's level rate for a rate
+    about east. Over the time T between the middles of the dwells the computed vertical tilts by T times that, and the
+    slope of the velocity north changes by gravity times the tilt: nothing else in the data tells it from calibration.
+    """
+    from fogkit.earth import normal_gravity
+
+    times = np.array([0.5 * (test.dwell + test.dwell_after) + test.turn_duration for test in plan])
+    slope = np.zeros(2 * len(plan))
+    slope[1::2] = normal_gravity(latitude) * EARTH_RATE * np.cos(latitude) * times
+    return azimuth**2 * np.outer(slope, slope) + start**2 * np.diag(slope**2)
 
 
 def _white(rests: Sequence[Array], dt: float, given: float | None, sensors: str) -> tuple[float, Finding]:
