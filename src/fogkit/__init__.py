@@ -56,20 +56,9 @@ import importlib
 __version__ = "0.1.0"
 
 _MODULES = {
-    *(
-        "calibration",
-        "campaign",
-        "checks",
-        "claims",
-        "cli",
-        "constants",
-        "earth",
-        "estimation",
-        "gyrocompass",
-        "imu",
-        "io",
-    ),
-    *("navigation", "noise", "optics", "plotting", "reproduction", "results", "rotation", "stand", "thermal", "units"),
+    *("calibration", "campaign", "checks", "claims", "cli", "constants", "earth", "estimation", "gyrocompass", "imu"),
+    *("io", "navigation", "noise", "optics", "plotting", "reproduction", "results", "rotation", "stand", "thermal"),
+    "units",
 }
 
 
