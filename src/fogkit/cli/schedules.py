@@ -8,7 +8,7 @@ from fogkit.cli.files import versions, write_whole
 from fogkit.cli.methods import chosen_plan
 from fogkit.cli.results import Result, table_of
 from fogkit.io.plain_toml import toml_text
-from fogkit.io.plan_names import MountScan, PlanReference, steps
+from fogkit.io.plan_names import MountScan, steps
 from fogkit.io.verdicts import Finding
 from fogkit.stand.placements import Schedule
 from fogkit.stand.plans import Plan
@@ -51,8 +51,3 @@ def schedule(built: Any) -> "DataFrame":
         index = pd.Index([f"dwell {i + 1}" for i in range(len(angles))], name="step")
         return pd.DataFrame(rows, index=index)
     return turn_tests.to_frame(built)
-
-
-def reference_of(parameters: dict[str, Any]) -> PlanReference:
-    """Plan that a result of `plan` speaks of."""
-    return PlanReference.from_table({key: value for key, value in parameters.items() if key != "toml"})
