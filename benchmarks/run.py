@@ -24,6 +24,7 @@ from fogkit import io
 from fogkit.calibration import bench_fit, multiposition, three_stage
 from fogkit.calibration.navigation_based import calibrate
 from fogkit.campaign import grid, map_cases, run_campaign
+from fogkit.cli.entry import main as command_line
 from fogkit.imu import Construction, GyroTriad, LinearTriad, MeasurementUnit, Sensors, SizeEffect
 from fogkit.imu.tables import IMU_COLUMNS
 from fogkit.navigation import State, increments_from_motion, integrate, integrate_arrays
@@ -486,6 +487,52 @@ def coil_with_noise(length: float, rng: np.random.Generator) -> float:
     return length + float(rng.standard_normal())
 
 
+COMMANDS = {  # words of the command line, each after the simulation of its own recording if there is one
+    "check": ("multiposition", "check {d}/recording.toml"),
+    "allan": ("allan", "allan {d}/recording.toml"),
+    "calibrate multiposition": ("multiposition", "calibrate multiposition {d}/recording.toml"),
+    "calibrate rate-sequence": ("rate-sequence", "calibrate rate-sequence {d}/recording.toml"),
+    "calibrate three-stage": ("three-stage", "calibrate three-stage {d}/recording.toml"),
+    "calibrate navigation": ("navigation", "calibrate navigation {d}/recording.toml"),
+    "thermal": ("thermal", "thermal {d}/recording.toml"),
+    "north": ("north", "north {d}/recording.toml"),
+    "drift": (None, "drift"),
+    "apply": ("multiposition", "apply {d}/found.json {d}/recording.toml {d}/corrected"),
+    "verify": ("multiposition", "verify {d}/found.json {d}/truth.json"),
+    "simulate multiposition": (None, "simulate multiposition {d} --overwrite"),
+    "plan": (None, "plan twenty-four-points"),
+}
+
+
+def commands() -> None:
+    """Each command of the command line in a process of its own, start of Python included: time and peak memory."""
+    elapsed = median_time(lambda: subprocess.run([sys.executable, "-m", "fogkit", "--help"], stdout=subprocess.DEVNULL))
+    show("fogkit --help", f"{elapsed:.2f} s", "bound 0.3 s")
+    with tempfile.TemporaryDirectory() as name:
+        for method in {method for method, _ in COMMANDS.values() if method}:
+            folder = f"{name}/{method}"
+            one_command(f"simulate {method} {folder}")
+        one_command(
+            f"calibrate multiposition {name}/multiposition/recording.toml --output {name}/multiposition/found.json"
+        )
+        for title, (method, words) in COMMANDS.items():
+            line = (
+                words.format(d=f"{name}/{method or 'more'}") + f" --output {name}/result.json --report {name}/page.html"
+            )
+            one_command(line)  # compiled code is stored
+            seconds, memory = one_command(line)
+            show(f"fogkit {title}, with report", f"{seconds:.1f} s", f"{memory / 1e6:.0f} MB at most")
+
+
+def one_command(line: str) -> tuple[float, int]:
+    """Wall time, s, and peak memory, bytes, of one command line in a process of its own."""
+    start = time.perf_counter()
+    done = subprocess.run([sys.executable, __file__, "command", *line.split()], capture_output=True, text=True)
+    if done.returncode:
+        raise SystemExit(f"fogkit {line}\n{done.stderr}")
+    return time.perf_counter() - start, int(done.stdout.split()[-1])
+
+
 def import_time() -> None:
     """Importing the package, against starting Python."""
 
@@ -511,6 +558,7 @@ def main() -> None:
     gyrocompass()
     recordings()
     campaigns()
+    commands()
     import_time()
 
 
@@ -518,6 +566,10 @@ if __name__ == "__main__":
     if sys.argv[1:] == ["memory"]:
         simulated_drift(SIMULATED, OSCILLATION, 180.0)
         print(peak_memory())
+    elif sys.argv[1:2] == ["command"]:
+        code = command_line([*sys.argv[2:], "--quiet"])
+        print(peak_memory())
+        sys.exit(code)
     elif sys.argv[1:2] == ["survey"]:
         survey_and_calibrate(sys.argv[2])
     else:

@@ -45,6 +45,7 @@ Modules, each importing only from those above it
 `fogkit.reproduction`   the papers: instruments, derivations, figures, values of the ledger
 `fogkit.io`             recordings of users: read, judged, segmented, reduced, written
 `fogkit.plotting`       figures
+`fogkit.cli`            the command line ``fogkit``: results as JSON, reports as one page
 ======================  ==============================================================================================
 
 ``import fogkit`` loads nothing of these: each is loaded when it is first used, and loads what it needs.
@@ -55,8 +56,9 @@ import importlib
 __version__ = "0.1.0"
 
 _MODULES = {
-    *("calibration", "campaign", "checks", "claims", "constants", "earth", "estimation", "gyrocompass", "imu", "io"),
-    *("navigation", "noise", "optics", "plotting", "reproduction", "results", "rotation", "stand", "thermal", "units"),
+    *("calibration", "campaign", "checks", "claims", "cli", "constants", "earth", "estimation", "gyrocompass", "imu"),
+    *("io", "navigation", "noise", "optics", "plotting", "reproduction", "results", "rotation", "stand", "thermal"),
+    "units",
 }
 
 

@@ -3,7 +3,7 @@
 Every function takes axes or makes them, and returns them. `use_style` sets the look of the book's figures.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import matplotlib.pyplot as plt
@@ -272,3 +272,29 @@ def entries(difference: "np.ndarray", marked: Sequence[tuple[int, int]] = (), ax
         ax.plot(column, row, "o", ms=17, mfc="none", mec="k", mew=1.8)
     ax.grid(False)
     return ax
+
+
+def svg(draw: "Callable[[Axes], object]") -> str:
+    """Picture of axes that a function draws into, as SVG text that is the same for the same drawing.
+
+    Parameters
+    ----------
+    draw : callable
+        Takes axes of matplotlib; what it returns is not looked at.
+
+    Returns
+    -------
+    str
+        The picture; letters are drawn as outlines, so that it looks alike everywhere.
+    """
+    from io import StringIO
+
+    with plt.rc_context({**STYLE, "svg.hashsalt": "fogkit"}):
+        figure, ax = plt.subplots()
+        try:
+            draw(ax)
+            target = StringIO()
+            figure.savefig(target, format="svg", metadata={"Date": None})
+        finally:
+            plt.close(figure)
+    return target.getvalue()
