@@ -7,6 +7,7 @@ module              answers
 `grades`            which units are there as examples, and how does one of a grade come out?
 `stands`            which tables are there as examples, and how does one come out?
 `methods`           what does each method of calibration say of the unit on a table?
+`temperature`       what does a temperature test of the whole unit say?
 `errors_left`       what is left of each error when the unit goes to sea?
 `heading`           what does that do to heading, with the mount at rest and rocked?
 `study`             all of it, for all grades, tables and methods

@@ -6,6 +6,7 @@ from the detector, their drift under vibration from the loop.
 """
 
 from dataclasses import dataclass, field, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -92,7 +93,12 @@ class Instrument:
     unit: MeasurementUnit = field(default_factory=MeasurementUnit)
 
     def __post_init__(self) -> None:
-        kinds = (("gyro", ClosedLoopGyro), ("network", ThermalNetwork), ("thermal", CoilBias), ("unit", MeasurementUnit))
+        kinds = (
+            ("gyro", ClosedLoopGyro),
+            ("network", ThermalNetwork),
+            ("thermal", CoilBias),
+            ("unit", MeasurementUnit),
+        )
         for name, kind in kinds:
             checks.instance(name, getattr(self, name), kind)
         share = checks.finite_array("thermal_share", self.thermal_share, shape=(3,))
@@ -125,17 +131,9 @@ class Instrument:
         ndarray, shape (3,)
             rad/s.
         """
-        bias, found = np.zeros(3), {}
-        silent = replace(self.gyro, detector_noise=0.0, shot_noise=0.0, intensity_noise=0.0)
-        for axis, size in enumerate(np.abs(conditions.acceleration)):
-            if size and size not in found:
-                if simulated:
-                    motion = AngularOscillation(acceleration=float(size), frequency=conditions.frequency)
-                    found[size] = simulated_drift(silent, motion).drift
-                else:
-                    found[size] = float(vibration_drift(self.gyro, size, conditions.frequency))
-            bias[axis] = found.get(size, 0.0)
-        return bias
+        law = _simulated_drift if simulated else vibration_drift
+        sizes = np.abs(conditions.acceleration).tolist()
+        return np.array([float(law(self.gyro, size, conditions.frequency)) if size else 0.0 for size in sizes])
 
     def thermal_bias(self, conditions: Conditions, after: ArrayLike = 0.0) -> Array:
         """What temperatures and their rates add to the biases.
@@ -175,6 +173,13 @@ class Instrument:
         triad = replace(gyros.triad, bias=np.array(gyros.triad.bias) + added)
         random = replace(gyros.random, angle_random_walk=self.angle_random_walk)
         return replace(self.unit, gyros=replace(gyros, triad=triad, random=random))
+
+
+@lru_cache(maxsize=256)
+def _simulated_drift(gyro: ClosedLoopGyro, size: float, frequency: float) -> float:
+    """Drift by simulation without detector noise, rad/s; kept, since equal gyros are often shaken alike."""
+    silent = replace(gyro, detector_noise=0.0, shot_noise=0.0, intensity_noise=0.0)
+    return simulated_drift(silent, AngularOscillation(acceleration=size, frequency=frequency)).drift
 
 
 def bench_triad(unit: MeasurementUnit) -> GyroTriad:

@@ -4,7 +4,7 @@ Compensated readings are ``(I + E) u + b`` of the true input u. The common rotat
 case and no error of the sensors, is taken out of E of both triads and kept apart as the boresight.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
@@ -14,8 +14,10 @@ from numpy.typing import ArrayLike, NDArray
 from fogkit import checks
 from fogkit.instrument.description import Conditions, Instrument
 from fogkit.instrument.methods import Calibrated
+from fogkit.instrument.temperature import modelled_bias
 from fogkit.results import FrozenArrays
 from fogkit.rotation import orthonormalise
+from fogkit.thermal.experiment import CoilBias
 
 Array = NDArray[np.float64]
 
@@ -97,6 +99,7 @@ def errors_left(
     *,
     duration: float = 300.0,
     repeatability: ArrayLike = (0.0, 0.0, 0.0),
+    thermal_models: Sequence[CoilBias] | None = None,
     simulated: bool = True,
 ) -> ErrorsLeft:
     """Errors of a unit that was calibrated under some conditions and works under others.
@@ -114,6 +117,9 @@ def errors_left(
         Of the measurement, s, which begins at the time ``here.powered`` after switching on.
     repeatability : array_like, shape (3,), optional
         Change of the biases from one switching on to the next, rad/s.
+    thermal_models : sequence of CoilBias, optional
+        What a temperature test says of the three gyros (`fogkit.instrument.temperature`); it is subtracted in both
+        places.
     simulated : bool, optional
         As for `Instrument.vibration_bias`.
 
@@ -125,8 +131,11 @@ def errors_left(
     duration = checks.positive("duration", duration, "s")
     found, triads = calibrated.compensation, (instrument.unit.gyros.triad, instrument.unit.accelerometers.triad)
     seen = instrument.vibration_bias(there, simulated=simulated) * (calibrated.method != "none")
-    settled = instrument.thermal_bias(there)
-    course = instrument.thermal_bias(here, duration * np.array([0.0, 0.25, 0.5, 0.75, 1.0]))
+    settled, times = instrument.thermal_bias(there), duration * np.array([0.0, 0.25, 0.5, 0.75, 1.0])
+    course = instrument.thermal_bias(here, times) - settled
+    if thermal_models is not None:
+        modelled = modelled_bias(instrument, thermal_models, here, times)
+        course = course - modelled + modelled_bias(instrument, thermal_models, there)
     E_g, E_a = (
         matrix @ np.array(triad.matrix)
         for matrix, triad in zip((found.gyro_matrix, found.accelerometer_matrix), triads, strict=True)
@@ -135,7 +144,7 @@ def errors_left(
     to_case = turned.T @ found.gyro_matrix
     added = {
         "vibration": instrument.vibration_bias(here, simulated=simulated) - seen,
-        "temperature": np.array([1, 4, 2, 4, 1]) / 12 @ course - settled,  # Simpson's rule
+        "temperature": np.array([1, 4, 2, 4, 1]) / 12 @ course,  # Simpson's rule
         "repeatability": checks.finite_array("repeatability", repeatability, shape=(3,)),
     }
     calibration = to_case @ (np.array(triads[0].bias) + seen + settled) + turned.T @ found.gyro_bias

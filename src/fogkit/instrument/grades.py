@@ -78,7 +78,9 @@ class Grade:
             random=RandomErrors(bias_instability=self.bias_instability),
         )
         accelerometers = Sensors(
-            triad=self._triad(self.accelerometer_scale * normal(3), self.accelerometer_bias * normal(3), normal((3, 3))),
+            triad=self._triad(
+                self.accelerometer_scale * normal(3), self.accelerometer_bias * normal(3), normal((3, 3))
+            ),
             random=RandomErrors(angle_random_walk=self.velocity_random_walk),
         )
         return Instrument(

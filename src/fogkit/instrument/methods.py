@@ -21,9 +21,9 @@ from fogkit.instrument.description import bench_triad
 from fogkit.instrument.stands import Stand
 from fogkit.results import FrozenArrays
 from fogkit.stand import bench, placements, plans
+from fogkit.stand.laboratory import Laboratory
 from fogkit.stand.means import observations
 from fogkit.stand.placements import Schedule
-from fogkit.stand.laboratory import Laboratory
 from fogkit.stand.turn_recordings import record
 from fogkit.stand.turn_tests import bias_test, nine_tests
 from fogkit.units import DEG, MINUTE
