@@ -16,8 +16,9 @@ from fogkit.imu.errors import GyroTriad, misalignments_from_matrix
 from fogkit.imu.unit import MeasurementUnit
 from fogkit.optics.drift import vibration_drift
 from fogkit.optics.gyro import ClosedLoopGyro
-from fogkit.optics.measure import simulated_drift
+from fogkit.optics.measure import simulated_drift, windowed_mean
 from fogkit.optics.motion import AngularOscillation
+from fogkit.optics.simulate import run
 from fogkit.thermal.experiment import CoilBias
 from fogkit.thermal.network import ThermalNetwork, soak
 
@@ -173,6 +174,44 @@ class Instrument:
         triad = replace(gyros.triad, bias=np.array(gyros.triad.bias) + added)
         random = replace(gyros.random, angle_random_walk=self.angle_random_walk)
         return replace(self.unit, gyros=replace(gyros, triad=triad, random=random))
+
+
+def loop_reading(
+    gyro: ClosedLoopGyro,
+    rate: float,
+    conditions: Conditions,
+    axis: int = 0,
+    *,
+    cycles: int = 24,
+    rng: np.random.Generator | None = None,
+) -> float:
+    """Mean reading of a loop that turns steadily and is shaken meanwhile, simulated from the detector on.
+
+    Parameters
+    ----------
+    gyro : ClosedLoopGyro
+        The gyro, noise included.
+    rate : float
+        Steady rate along its axis, rad/s.
+    conditions : Conditions
+        Vibration.
+    axis : int, optional
+        Which of the three accelerations acts on it.
+    cycles : int, optional
+        Cycles of the vibration, at least 20.
+    rng : numpy.random.Generator, optional
+        Source of the detector's noise, needed if there is any.
+
+    Returns
+    -------
+    float
+        rad/s; mean under the window of `fogkit.optics.measure.windowed_mean`.
+    """
+    rate, size = checks.finite("rate", rate, "rad/s"), conditions.acceleration[axis]
+    omega = 2 * np.pi * conditions.frequency
+    cycles = checks.integer("cycles", cycles, minimum=20)
+    record = run(gyro, lambda t: rate + size / omega * np.sin(omega * t), cycles / conditions.frequency, rng=rng)
+    return windowed_mean(record.rate)
 
 
 @lru_cache(maxsize=256)

@@ -108,31 +108,26 @@ def known_of(lefts: Iterable[ErrorsLeft]) -> Knowledge:
 
 
 def case(grade: str, stand: str, method: str, seeds: Iterable[int]) -> list[dict]:
-    """All rows of one grade, stand and method: sizes of errors, and heading errors, degrees, found three ways."""
+    """All rows of one grade, stand and method."""
     seeds = tuple(seeds)
-    lefts = {seed: left_at_sea(grade, stand, method, seed) for seed in seeds}
-    known = known_of(lefts.values())
+    known = known_of(left_at_sea(grade, stand, method, seed) for seed in seeds)
+    return [row for seed in seeds for row in unit_rows(grade, stand, method, seed, known)]
+
+
+def unit_rows(grade: str, stand: str, method: str, seed: int, known: Knowledge) -> list[dict]:
+    """Rows of one unit: sizes of errors by `UNITS`, heading errors in degrees, and what the filter knew, deg/h, ppm."""
+    left = left_at_sea(grade, stand, method, seed)
+    raw = left_at_sea(grade, stand, method, seed, with_model=False)
+    random = drawn(grade, seed)[0].at(SEA, simulated=False).gyros.random
+    names = {"grade": grade, "stand": stand, "method": method, "seed": seed}
+    stated = {"known_bias": known.bias / DEG_PER_HOUR, "known_scale": known.scale_factor / PPM}
     rows = []
-    for seed, left in lefts.items():
-        raw = left_at_sea(grade, stand, method, seed, with_model=False)
-        random = drawn(grade, seed)[0].at(SEA, simulated=False).gyros.random
-        for row in ROWS:
-            kept = {NO_MODEL: raw.only("temperature"), ALL: left, NOISE: _nothing(left)}.get(row)
-            kept = left.only(row) if kept is None else kept
-            drawn_random = random if row in (NOISE, ALL) else None
-            errors = heading_errors(kept, known, random.angle_random_walk, drawn_random, seed)
-            unit = UNITS.get(row, (1.0, ""))[0]
-            rows.append(
-                {
-                    "grade": grade,
-                    "stand": stand,
-                    "method": method,
-                    "seed": seed,
-                    "part": row,
-                    "size": size(kept, row) / unit,
-                }
-                | errors
-            )
+    for row in ROWS:
+        kept = {NO_MODEL: raw.only("temperature"), ALL: left, NOISE: _nothing(left)}.get(row)
+        kept = left.only(row) if kept is None else kept
+        errors = heading_errors(kept, known, random.angle_random_walk, random if row in (NOISE, ALL) else None, seed)
+        found = {"size": size(kept, row) / UNITS.get(row, (1.0, ""))[0]}
+        rows.append(names | {"part": row} | found | errors | stated)
     return rows
 
 
@@ -171,7 +166,9 @@ def summary(table: "DataFrame") -> "DataFrame":
     show no heading at rest, which count in no mean. The relative standard deviation of a root mean square of n seeds is
     ``1 / sqrt(2 n)``."""
     keys = ["grade", "stand", "method", "part"]
-    groups = (table.drop(columns="seed").set_index(keys) ** 2).groupby(level=keys, sort=False)
+    groups = (table.drop(columns=["seed", "known_bias", "known_scale"]).set_index(keys) ** 2).groupby(
+        level=keys, sort=False
+    )
     return (groups.mean() ** 0.5).assign(refused=groups["rest"].apply(lambda values: values.isna().mean()))
 
 
@@ -182,5 +179,5 @@ def _nothing(left: ErrorsLeft) -> ErrorsLeft:
 
 if __name__ == "__main__":
     runs(range(SEEDS), report=lambda text: print(text, flush=True)).to_csv(
-        sys.argv[1], index=False, float_format="%.5g"
+        sys.argv[1], index=False, float_format="%.6g"
     )
