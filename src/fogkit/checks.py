@@ -80,7 +80,8 @@ def instance(name: str, value: Any, kind: type | tuple[type, ...], *, fix: str =
     """
     if not isinstance(value, kind):
         kinds = kind if isinstance(kind, tuple) else (kind,)
-        needed = "a " + " or ".join(k.__name__ for k in kinds)
+        needed = " or ".join(k.__name__ for k in kinds)
+        needed = ("an " if needed[0] in "AEIO" else "a ") + needed
         came = f"the class {value.__name__}" if isinstance(value, type) else type(value).__name__
         raise TypeError(_message(name, needed, came, fix))
     return value

@@ -3,10 +3,16 @@
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 
-from fogkit.gyrocompass.accuracy import heading_bound
+from fogkit.gyrocompass.accuracy import heading_bound, mean_direction, steady_heading_std
 from fogkit.gyrocompass.covariance import Aid, Noise, Prior, run_covariance
+from fogkit.gyrocompass.design import heading_accuracy
+from fogkit.gyrocompass.design_inputs import GyroGrade, MountLimits
+from fogkit.gyrocompass.design_laws import best_law
+from fogkit.gyrocompass.design_needs import time_for, walk_for
+from fogkit.gyrocompass.dwells import find_dwells
 from fogkit.gyrocompass.filters.extended import run_extended
 from fogkit.gyrocompass.filters.records import Fixes, Recording, draw_start, record, take_fixes
 from fogkit.gyrocompass.filters.smoother import smooth_wander
@@ -15,6 +21,8 @@ from fogkit.gyrocompass.gyro_range import check_gyro_range
 from fogkit.gyrocompass.laws import ConstantSpeedReversal, DwellAndTurn, Fixed, OneWay, QuasiHarmonic
 from fogkit.gyrocompass.mechanisation import CompassState, angle_rates, geographic_rate
 from fogkit.gyrocompass.motions import Vessel
+from fogkit.gyrocompass.scan import fit_scan
+from fogkit.gyrocompass.tables import recording_from_frame, recording_to_frame
 from fogkit.units import DEG, DEG_PER_SECOND
 
 LAT, POLE, VERTICAL = 60 * DEG, 90 * DEG, 90 * DEG
@@ -29,6 +37,11 @@ def rng():
 
 RECORDING, FIXES = record(MOTION, NOISE, rng()), take_fixes(MOTION, AID, rng())
 START = draw_start(MOTION, Prior(), rng())
+TABLE, GYRO = recording_to_frame(RECORDING), GyroGrade(angle_random_walk=1e-6)
+SCAN = pd.DataFrame(
+    dict.fromkeys(("angle", "gyro_x", "gyro_y", "gyro_z"), np.repeat([0.0, 90 * DEG], 20)),
+    index=pd.Index(np.arange(40.0), name="time"),
+)
 
 
 def by_hand(column, value):
@@ -99,7 +112,7 @@ ERRORS = {
         lambda: record(MOTION, NOISE, rng(), gyro_range=30 * DEG_PER_SECOND),
         r"gyro [xyz] within `gyro_range`, 30 deg/s, got 32\.6.* deg/s at .* s",
     ),
-    "range of nothing": (lambda: record(MOTION, NOISE, rng(), gyro_range=0.0), "`gyro_range` must be > 0 rad/s, got 0"),
+    "range of nothing": (lambda: record(MOTION, NOISE, rng(), gyro_range=0.0), "`gyro_range` must be .*> 0 .*got 0"),
     # covariances
     "prior not finite": (lambda: run_covariance(MOTION, NOISE, AID, filled(np.nan)), "`prior` must be finite"),
     "prior not symmetric": (
@@ -120,12 +133,83 @@ ERRORS = {
     "aid's velocity": (lambda: Aid.satellite(LAT, velocity=0.0), "`velocity` must be .*got 0"),
 }
 
+SLIPS = {
+    # degrees for radians: an amplitude of 180 rad would be 29 turns
+    "amplitude in degrees": (lambda: QuasiHarmonic(amplitude=180.0, period=60.0), ValueError, "`amplitude` .*DEG"),
+    "positions in degrees": (
+        lambda: DwellAndTurn(positions=(0.0, 180.0), dwell=9.0, turn_duration=1.0),
+        ValueError,
+        "`positions` .*got 180.*DEG",
+    ),
+    "travel in degrees": (lambda: MountLimits(travel=360.0), ValueError, "`travel` .*got 360.*DEG"),
+    "scan in degrees": (lambda: find_dwells(SCAN.assign(angle=SCAN.angle / DEG)), ValueError, "angle.*got 90.*DEG"),
+    # things of another kind
+    "class for a law": (lambda: mean_direction(QuasiHarmonic), TypeError, "`law` .*got the class QuasiHarmonic"),
+    "number for a gyro": (lambda: walk_for(0.01, 1e-6, MountLimits(), LAT, 300.0), TypeError, "`gyro` .*got float"),
+    "number for a gyro, law": (lambda: best_law(1e-6, MountLimits(), LAT, 300.0), TypeError, "`gyro` .*got float"),
+    "law for a mount": (lambda: best_law(GYRO, ROCKING, LAT, 300.0), TypeError, "`mount` .*got QuasiHarmonic"),
+    "text for a choice": (
+        lambda: heading_accuracy(GYRO, ROCKING, LAT, 300.0, heading_fixed="no"),
+        TypeError,
+        "`heading_fixed` .*got str",
+    ),
+    "text for a choice of the filter": (
+        lambda: run_wander(RECORDING, FIXES, NOISE, START, heading_known="no"),
+        TypeError,
+        "`heading_known` .*got str",
+    ),
+    "list for an aid": (lambda: Aid(std=[0.1]), TypeError, "`std` must be a Mapping, got list"),
+    "number for a spectrum": (
+        lambda: steady_heading_std(ROCKING, 300.0, LAT, 1e-6),
+        TypeError,
+        "`spectrum` must be a function .*got float",
+    ),
+    "array for a prior": (lambda: draw_start(MOTION, np.eye(15), rng()), TypeError, "`prior` .*got ndarray"),
+    "one gap": (lambda: take_fixes(MOTION, AID, rng(), lost=(10, 20)), ValueError, "`lost` .*got 10"),
+    "letters in an aid": (lambda: Fixes(time=[0], values=[["a"] * 6], aid=AID), TypeError, "`values` must hold real"),
+    # numbers out of range, also where an option leaves them unused
+    "tilt below zero": (
+        lambda: heading_accuracy(GYRO, ROCKING, LAT, 300.0, level_std=-0.1),
+        ValueError,
+        "`level_std` .*got -0.1",
+    ),
+    "walk below zero, no aid": (
+        lambda: heading_accuracy(GYRO, ROCKING, LAT, 300.0, velocity_random_walk=-1.0),
+        ValueError,
+        "`velocity_random_walk` .*got -1",
+    ),
+    "longest below a period": (
+        lambda: time_for(0.01, GYRO, ROCKING, LAT, longest=10.0),
+        ValueError,
+        "`longest` must be a period .*20 s, got 10 s",
+    ),
+    # tables
+    "times in a column": (lambda: recording_from_frame(TABLE.reset_index()), ValueError, "as the index.*set_index"),
+    "times of a scan in a column": (lambda: find_dwells(SCAN.reset_index()), ValueError, "as the index.*set_index"),
+    "letters in a table": (
+        lambda: recording_from_frame(TABLE.assign(gyro_x="a")),
+        TypeError,
+        "'gyro_x'.* real numbers",
+    ),
+    "a scan of nothing": (
+        lambda: fit_scan(np.arange(6.0), np.zeros((6, 3)), LAT),
+        ValueError,
+        "`readings` must change with `angles`",
+    ),
+}
+
 FILTERS = {"extended": run_extended, "wander": run_wander, "smoother": smooth_wander}
 
 
 @pytest.mark.parametrize(("call", "message"), ERRORS.values(), ids=ERRORS.keys())
 def test_error(call, message):
     with pytest.raises(ValueError, match=message):
+        call()
+
+
+@pytest.mark.parametrize(("call", "kind", "message"), SLIPS.values(), ids=SLIPS.keys())
+def test_slip(call, kind, message):
+    with pytest.raises(kind, match=message):
         call()
 
 

@@ -7,7 +7,7 @@ import pytest
 from numpy.testing import assert_allclose
 
 from fogkit.constants import EARTH_RATE
-from fogkit.gyrocompass import accuracy, design, frames, mechanisation
+from fogkit.gyrocompass import accuracy, design, design_needs, frames, mechanisation
 from fogkit.gyrocompass.covariance import Aid
 from fogkit.gyrocompass.design_inputs import GyroGrade, MountLimits
 from fogkit.gyrocompass.design_laws import best_law, laws_within
@@ -185,18 +185,18 @@ def test_poor_aid_is_named():
 def test_inverses():
     law = LAWS["thesis"]
     options = {"level_std": 0.05 * DEG, "heading_fixed": True}
-    walk = design.walk_for(0.5 * DEG, COLOURED, law, LAT, TIME, **options)
+    walk = design_needs.walk_for(0.5 * DEG, COLOURED, law, LAT, TIME, **options)
     again = design.heading_accuracy(replace(COLOURED, angle_random_walk=walk), law, LAT, TIME, **options)
     assert_allclose(again.std, 0.5 * DEG, rtol=2e-3)  # the tolerance of the search
     # the same with nothing but white noise, where all of it may be spent
     swing = ConstantSpeedReversal(amplitude=np.pi, period=60.0)
-    alone = design.walk_for(0.5 * DEG, WHITE, swing, LAT, TIME, heading_fixed=True)
+    alone = design_needs.walk_for(0.5 * DEG, WHITE, swing, LAT, TIME, heading_fixed=True)
     assert_allclose(alone, 0.5 * DEG * EARTH_RATE * np.cos(LAT) * np.sqrt(TIME), rtol=2e-3)
     # white noise alone falls with the root of time: whole periods above that of the equation
-    time = design.time_for(0.5 * DEG, WHITE, law, LAT, heading_fixed=True)
+    time = design_needs.time_for(0.5 * DEG, WHITE, law, LAT, heading_fixed=True)
     bound = accuracy.heading_bound(law, TIME, LAT, WHITE.angle_random_walk).std
     assert time == 60.0 * np.ceil(TIME / 60.0 * (bound / (0.5 * DEG)) ** 2)
-    free = design.time_for(0.5 * DEG, WHITE, MountLimits(), LAT, heading_fixed=True)
+    free = design_needs.time_for(0.5 * DEG, WHITE, MountLimits(), LAT, heading_fixed=True)
     ideal = (WHITE.angle_random_walk / (EARTH_RATE * np.cos(LAT) * 0.5 * DEG)) ** 2
     assert ideal * (1 - 1e-9) <= free < ideal * 1.02
 
@@ -208,9 +208,9 @@ def test_bad_input():
     with pytest.raises(ValueError, match="`travel` must be"):
         MountLimits(travel=-1.0)
     with pytest.raises(ValueError, match="Most of it is the part 'level'"):
-        design.walk_for(0.1 * DEG, WHITE, law, LAT, TIME, level_std=0.1 * DEG, heading_fixed=True)
+        design_needs.walk_for(0.1 * DEG, WHITE, law, LAT, TIME, level_std=0.1 * DEG, heading_fixed=True)
     with pytest.raises(ValueError, match="`accuracy` must be within what is reached in 600 s"):
-        design.time_for(0.01 * DEG, WHITE, law, LAT, longest=600.0, heading_fixed=True)
+        design_needs.time_for(0.01 * DEG, WHITE, law, LAT, longest=600.0, heading_fixed=True)
     with pytest.raises(ValueError, match="`heading_fixed` must be False with an aid"):
         design.heading_accuracy(WHITE, law, LAT, TIME, aid=Aid.satellite(LAT), heading_fixed=True)
     with pytest.raises(ValueError, match=r"`gyro.bias` must be finite with an aid"):

@@ -6,7 +6,7 @@ from numpy.testing import assert_allclose
 
 from fogkit.constants import STANDARD_GRAVITY
 from fogkit.gyrocompass import mechanisation
-from fogkit.gyrocompass.filters import wander
+from fogkit.gyrocompass.filters import wander_model
 from fogkit.rotation import dcm_from_rotvec
 
 # steps at which central differences of the fourth order are right to 1e-9 of the largest entry
@@ -33,9 +33,9 @@ def differences(C, state, rates, force, angle, rate, pushed, yaw):
         readings = rates * (1 + x[14:]) + x[11:14]
         turned = dcm_from_rotvec(x[:3]) @ C
         hull = mechanisation.hull_rate(readings, angle, rate)
-        turn, rest = wander.wander_rate(turned, state + x[3:11], hull, force, STANDARD_GRAVITY, fixed, yaw)
+        turn, rest = wander_model.wander_rate(turned, state + x[3:11], hull, force, STANDARD_GRAVITY, fixed, yaw)
         hull = mechanisation.hull_rate(rates, angle, rate)
-        still, _ = wander.wander_rate(C, state, hull, force, STANDARD_GRAVITY, fixed, yaw)
+        still, _ = wander_model.wander_rate(C, state, hull, force, STANDARD_GRAVITY, fixed, yaw)
         # C_est = exp(x) C: the rate of exp(x) in w is turn - exp(x) still
         rate_of_error = turn - dcm_from_rotvec(x[:3]) @ still
         return np.array([*rate_of_error, *rest])
@@ -51,7 +51,7 @@ def differences(C, state, rates, force, angle, rate, pushed, yaw):
 def test_error_model_against_differences(pushed, yaw):
     for case in cases(12):
         C, state, rates, force, angle, _ = case
-        F = wander.wander_matrix(C, state, rates, force, angle, STANDARD_GRAVITY, pushed, yaw)
+        F = wander_model.wander_matrix(C, state, rates, force, angle, STANDARD_GRAVITY, pushed, yaw)
         numeric = differences(*case, pushed, yaw)
         assert not F[11:].any()
         for block in (slice(0, 3), slice(3, 6), slice(6, 9), slice(9, 11)):  # each of one unit

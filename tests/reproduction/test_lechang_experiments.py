@@ -7,11 +7,15 @@ import pandas as pd
 import pytest
 from numpy.testing import assert_allclose
 
+from fogkit import claims
+from fogkit.constants import EARTH_RATE
 from fogkit.estimation.consistency import ratio_interval
+from fogkit.gyrocompass.design import heading_accuracy
+from fogkit.gyrocompass.design_inputs import GyroGrade
 from fogkit.gyrocompass.scan import fit_scan, scan_readings
 from fogkit.noise import RandomErrors
 from fogkit.reproduction.lechang import experiment_verdicts, experiments, paper, scanning
-from fogkit.units import ARCMIN, DEG, DEG_PER_HOUR, DEG_PER_HOUR_PER_SQRT_HOUR
+from fogkit.units import ARCMIN, DEG, DEG_PER_HOUR, DEG_PER_HOUR_PER_SQRT_HOUR, PPM
 
 ROOT = Path(__file__).parents[2]
 LAT = paper.ASSUMED_LATITUDE
@@ -179,3 +183,55 @@ def test_verdicts():
     assert scanning.scatter(WALK, dwell)["heading"] == pytest.approx(paper.HEADING_ACCURACY)
     level = experiment_verdicts.bias_stds()[[0, 2]]
     assert level.max() < 0.2 * DEG_PER_HOUR  # both level ones are found
+
+
+def test_means_of_the_scan_that_the_ledger_states():
+    # bias and the part of the Earth's rate along the level axis: a gyro of the pyramid has (-1, 2, -1)/sqrt(6) of it
+    level = EARTH_RATE * np.cos(LAT) * np.cos(paper.STAND_HEADING)
+    means = paper.STAND_SCALES * (paper.STAND_BIASES + np.array([-1, 2, -1]) / np.sqrt(6) * level)
+    assert_allclose(scanning.figure_readings(scanning.angles()).mean(axis=0), means, rtol=1e-12)
+    notes = {claim.id: claim.note for claim in claims.load("lechang")}
+    for row, mean in zip(("fig14", "fig15", "fig16"), means, strict=True):
+        assert f"mean of {mean / 1e-3:.2f} and" in notes[f"lechang-{row}"]
+
+
+def test_asymmetry_that_the_experiment_may_have():
+    # least squares of all three gyros' readings for heading, biases and scale factors, without the mount's axis, along
+    # which its rate is unknown; each gyro's asymmetry for itself, 16 ppm as the ledger has it
+    law, heading = experiments.LAWS["harmonic 180"], 0.9
+    t = paper.EXPERIMENT_TIME * (np.arange(6000) + 0.5) / 6000
+    angle, rate, _ = law.motion(t)
+    axes = np.array([[-1, np.sqrt(2), np.sqrt(3)], [2, np.sqrt(2), 0], [-1, np.sqrt(2), -np.sqrt(3)]]) / np.sqrt(6)
+    level, up = EARTH_RATE * np.cos(LAT), EARTH_RATE * np.sin(LAT)
+    turned = angle - heading
+    readings = axes @ np.array([level * np.cos(turned), up + rate, level * np.sin(turned)])
+    slope = axes @ np.array([level * np.sin(turned), 0 * rate, -level * np.cos(turned)])
+    across = np.eye(3) - np.full((3, 3), 1 / 3)
+
+    def column(gyro, signal):
+        return (across[:, [gyro]] * signal).ravel()
+
+    columns = [(across @ slope).ravel()]
+    for gyro in range(3):
+        columns += [column(gyro, np.ones(6000)), column(gyro, readings[gyro])]
+    A = np.array(columns).T
+    scale = np.linalg.norm(A, axis=0)
+    wrong = np.array([column(gyro, 0.5 * np.abs(readings[gyro])) for gyro in range(3)]).T
+    heading_errors = np.linalg.lstsq(A / scale, wrong, rcond=1e-9)[0][0] / scale[0]
+    allowed = paper.EXPERIMENT_ACCURACY / np.linalg.norm(heading_errors)
+    notes = {claim.id: claim.note for claim in claims.load("lechang")}
+    assert f" {allowed / PPM:.0f} ppm alone" in notes["lechang-exp2-accuracy"]
+    gyro = GyroGrade(angle_random_walk=WALK.angle_random_walk, scale_asymmetry=allowed)
+    found = heading_accuracy(gyro, law, LAT, paper.EXPERIMENT_TIME, heading_fixed=True)
+    # the design leaves the Earth's rate out of what a gyro's asymmetry sees: 1e-3 of the mount's rate
+    assert found.budget["asymmetry"] == pytest.approx(paper.EXPERIMENT_ACCURACY, rel=1e-3)
+
+
+def test_shares_that_the_ledger_states(stored):
+    share = 100 * experiments.within(stored).share["harmonic 180"]
+    best = [share["scan", 0.001, sides] for sides in (2, 1)]
+    sheet = [share["data sheet, mount", std, 2] for std in (0.001, 0.01, 0.1)]
+    note = {claim.id: claim.note for claim in claims.load("lechang")}["lechang-exp2-accuracy"]
+    assert (
+        "are {:.0f} % of 100 runs ({:.0f} % one-sided), then {:.0f}, {:.0f} and {:.0f} %".format(*best, *sheet) in note
+    )

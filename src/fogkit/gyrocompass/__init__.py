@@ -19,6 +19,7 @@ module                  answers
 `dwells`                where in a raw record of a scan does the unit stand, and what does it read there?
 `tables`                how does a record become a table, and a table a record?
 `design`                how well do gyros, mount, latitude and time give heading, and which part is the weakest?
+`design_needs`          which gyros, or how much time, does a heading take?
 `design_inputs`         which numbers does a design start from?
 `design_noise`          what is left of gyro noise of any colour under a law?
 `design_laws`           which law is the best within what a mount can do?

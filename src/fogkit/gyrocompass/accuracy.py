@@ -199,6 +199,8 @@ def steady_heading_std(
     checks.instance("law", law, MountLaw)
     duration = checks.positive("duration", duration, "s")
     harmonics = checks.integer("harmonics", harmonics, minimum=1)
+    if not callable(spectrum):
+        raise TypeError(f"`spectrum` must be a function of frequency, got {type(spectrum).__name__}")
     if duration < 5 * law.period:
         raise ValueError(f"`duration` must be at least five periods, {5 * law.period:g} s, got {duration:g}")
     points = max(4 * harmonics, len(_times(law, None)))
@@ -212,13 +214,13 @@ def steady_heading_std(
     return float(1 / np.sqrt(information)) if information > 0 else np.inf
 
 
-def accelerometer_share(lat: float, tilt_std: float) -> float:
-    """Standard deviation of heading, rad, from tilts known to `tilt_std`, rad: ``tan(lat) * tilt_std`` under any law.
+def accelerometer_share(lat: float, level_std: float) -> float:
+    """Standard deviation of heading, rad, from tilts known to `level_std`, rad: ``tan(lat) * level_std`` under any law.
 
     A tilt about north takes ``omega_ie sin(lat)`` into the east, where heading is read off. Accelerometers on the hull
     leave a tilt of their bias over gravity, which the mount does not turn.
     """
-    return float(abs(np.tan(_latitude(lat))) * checks.non_negative("tilt_std", tilt_std, "rad"))
+    return float(abs(np.tan(_latitude(lat))) * checks.non_negative("level_std", level_std, "rad"))
 
 
 def encoder_share(law: MountLaw, encoder: Encoder, duration: float) -> float:
@@ -286,6 +288,7 @@ def _prior(name: str, std: float) -> float:
 
 def _times(law: MountLaw, duration: float | None) -> Array:
     """Midpoints of equal steps over a time, close enough for a mean."""
+    checks.instance("law", law, MountLaw)
     duration = law.period if duration is None else checks.positive("duration", duration, "s")
     points = max(_POINTS, int(np.ceil(law.max_rate * duration / _STEP)))
     return duration * (np.arange(points) + 0.5) / points

@@ -63,8 +63,9 @@ class Prior:
     scale_factor: float = 1 * PERCENT
 
     def __post_init__(self) -> None:
-        for name in ("heading", "level", "velocity", "position", "height", "bias", "scale_factor"):
-            object.__setattr__(self, name, checks.non_negative(name, getattr(self, name)))
+        units = {"heading": "rad", "level": "rad", "velocity": "m/s", "position": "m", "height": "m", "bias": "rad/s"}
+        for name in (*units, "scale_factor"):
+            object.__setattr__(self, name, checks.non_negative(name, getattr(self, name), units.get(name, "")))
 
     def covariance(self, lat: float, *, linear: bool = True) -> Array:
         """Covariance of the states at a latitude, rad: shape (15, 15).
@@ -133,6 +134,7 @@ class Aid:
     interval: float = 1.0
 
     def __post_init__(self) -> None:
+        checks.instance("std", self.std, Mapping, fix="Names with their standard deviations; or use `Aid.satellite`.")
         if not self.std:
             raise ValueError("`std` must name a state at least, got none: an unaided filter observes nothing")
         kept = {}

@@ -5,13 +5,11 @@ tilts, the angle sensor and a poor aid do. Parts are added by squares.
 """
 
 import warnings
-from bisect import bisect_left
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import brentq
 
 from fogkit import checks
 from fogkit.gyrocompass.accuracy import accelerometer_share, encoder_share
@@ -23,7 +21,7 @@ from fogkit.gyrocompass.encoder import Encoder
 from fogkit.gyrocompass.gyro_range import gyro_peaks
 from fogkit.gyrocompass.laws import COARSEST_STEP, MountLaw
 from fogkit.gyrocompass.motions import Vessel
-from fogkit.units import DEG, DEG_PER_SECOND, HOUR
+from fogkit.units import DEG, DEG_PER_SECOND
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -148,6 +146,9 @@ def heading_accuracy(
     checks.instance("gyro", gyro, GyroGrade)
     checks.instance("mount", mount, (MountLimits, MountLaw))
     duration = checks.positive("duration", duration, "s")
+    level_std = checks.non_negative("level_std", level_std, "rad")
+    heading_fixed = checks.instance("heading_fixed", heading_fixed, bool)
+    walk = checks.non_negative("velocity_random_walk", velocity_random_walk, "m/s/sqrt(s)")
     if aid is not None:
         checks.instance("aid", aid, Aid)
         if heading_fixed:
@@ -162,7 +163,7 @@ def heading_accuracy(
     budget = {name: float(np.sqrt(found.variances[name])) for name in PARTS}
     budget["level"] = accelerometer_share(lat, level_std)
     budget["encoder"] = 0.0 if encoder is None else abs(encoder_share(law, encoder, duration))
-    budget["aid"] = 0.0 if aid is None else aid_share(gyro, law, lat, duration, aid, velocity_random_walk)
+    budget["aid"] = 0.0 if aid is None else aid_share(gyro, law, lat, duration, aid, walk)
     std = float(np.sqrt(np.sum(np.square(list(budget.values())))))
     result = HeadingAccuracy(std=std, budget=budget, law=law, mean_direction=found.mean_direction)
     _warn(result, gyro, lat, duration, hull_rates)
@@ -200,115 +201,6 @@ def aided_std(
     prior = Prior(heading=_START, bias=gyro.bias, scale_factor=gyro.scale_factor).covariance(lat, linear=False)
     run = run_covariance(motion, noise, aid, prior, output_interval=aid.interval)
     return float(np.sqrt(run.covariance[0, 0]))
-
-
-def walk_for(
-    accuracy: float, gyro: GyroGrade, mount: MountLimits | MountLaw, lat: float, duration: float, **options
-) -> float:
-    """Largest angle random walk of the gyros, rad/sqrt(s), with which heading is as accurate as wanted.
-
-    Parameters
-    ----------
-    accuracy : float
-        Standard deviation of heading that is wanted, rad.
-    gyro : GyroGrade
-        All but the angle random walk counts.
-    mount, lat, duration, **options
-        As for `heading_accuracy`.
-
-    Returns
-    -------
-    float
-        rad/sqrt(s).
-
-    Raises
-    ------
-    ValueError
-        If the other errors alone are larger; the message names the largest.
-    """
-    accuracy = checks.positive("accuracy", accuracy, "rad")
-
-    def found(log_walk: float) -> HeadingAccuracy:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")  # on the way; the last call below warns
-            return heading_accuracy(
-                replace(gyro, angle_random_walk=float(np.exp(log_walk))), mount, lat, duration, **options
-            )
-
-    unit = found(np.log(gyro.angle_random_walk))
-    most = np.log(gyro.angle_random_walk * accuracy / unit.budget["white noise"])  # by white noise alone
-    least, most = most - np.log(1e3), most + 1e-3  # a little more, where there is nothing but white noise
-    best = found(least)
-    if best.std >= accuracy:
-        raise ValueError(
-            f"`accuracy` must be above what remains without white noise, {best.std / DEG:.4g} deg, got "
-            f"{accuracy / DEG:.4g} deg. Most of it is the part {best.largest!r}"
-        )
-    walk = float(np.exp(brentq(lambda x: np.log(found(x).std / accuracy), least, most, xtol=1e-3)))
-    heading_accuracy(replace(gyro, angle_random_walk=walk), mount, lat, duration, **options)
-    return walk
-
-
-def time_for(
-    accuracy: float,
-    gyro: GyroGrade,
-    mount: MountLimits | MountLaw,
-    lat: float,
-    *,
-    longest: float = HOUR,
-    **options,
-) -> float:
-    """Time, s, after which heading is as accurate as wanted, with the best law for it.
-
-    Parameters
-    ----------
-    accuracy : float
-        Standard deviation of heading that is wanted, rad.
-    gyro, mount, lat, **options
-        As for `heading_accuracy`; a law is judged after whole periods.
-    longest : float, optional
-        Longest time that is tried, s.
-
-    Returns
-    -------
-    float
-        Time, to 1 per cent, or the least number of whole periods of a given law.
-
-    Raises
-    ------
-    ValueError
-        If it is not reached within `longest`; the message names the largest part then.
-    """
-    accuracy = checks.positive("accuracy", accuracy, "rad")
-    longest = checks.positive("longest", longest, "s")
-
-    def found(duration: float) -> HeadingAccuracy:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore")
-            return heading_accuracy(gyro, mount, lat, duration, **options)
-
-    def enough(duration: float) -> bool:
-        try:
-            return found(duration).std <= accuracy
-        except ValueError:  # too short for any law: `found(longest)` has shown that nothing else is wrong
-            return False
-
-    if isinstance(mount, MountLaw):
-        longest = mount.period * max(int(longest / mount.period), 1)
-    end = found(longest)
-    if end.std > accuracy:
-        raise ValueError(
-            f"`accuracy` must be within what is reached in {longest:g} s, {end.std / DEG:.4g} deg, got "
-            f"{accuracy / DEG:.4g} deg. Most of it is the part {end.largest!r}"
-        )
-    if isinstance(mount, MountLaw):
-        counts = np.arange(1, int(longest / mount.period) + 1)
-        return mount.period * int(counts[bisect_left(counts, True, key=lambda n: enough(n * mount.period))])
-    low, high = longest * (end.budget["white noise"] / accuracy) ** 2, longest  # no sooner than by white noise alone
-    while high / low > 1.01:
-        middle = float(np.sqrt(low * high))
-        low, high = (low, middle) if enough(middle) else (middle, high)
-    return high
 
 
 def _warn(result: HeadingAccuracy, gyro: GyroGrade, lat: float, duration: float, hull_rates: ArrayLike) -> None:

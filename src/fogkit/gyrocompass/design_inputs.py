@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike
 
 from fogkit import checks
 from fogkit.gyrocompass.frames import pyramid_axes
+from fogkit.gyrocompass.laws import LARGEST_AMPLITUDE
 from fogkit.noise import RandomErrors
 from fogkit.results import Record
 from fogkit.units import DEG, DEG_PER_SECOND, DEG_PER_SECOND_SQUARED, PERCENT
@@ -83,7 +84,7 @@ class MountLimits(Record):
     Raises
     ------
     ValueError
-        If one is not above zero.
+        If one is not above zero, or the travel finite and more than 20 turns: degrees are suspected.
     """
 
     travel: float = 360 * DEG
@@ -91,9 +92,12 @@ class MountLimits(Record):
     max_acceleration: float = 60 * DEG_PER_SECOND_SQUARED
 
     def __post_init__(self) -> None:
-        for name, unit in (("travel", "rad"), ("max_rate", "rad/s"), ("max_acceleration", "rad/s^2")):
-            if name != "travel" or self.travel != np.inf:
-                object.__setattr__(self, name, checks.positive(name, getattr(self, name), unit))
+        for name, unit in (("max_rate", "rad/s"), ("max_acceleration", "rad/s^2")):
+            object.__setattr__(self, name, checks.positive(name, getattr(self, name), unit))
+        if not (isinstance(self.travel, float) and self.travel == np.inf):
+            travel, fix = checks.positive("travel", self.travel, "rad"), "Multiply degrees by `fogkit.units.DEG`."
+            checks.in_closed_interval("travel", travel, 0.0, 2 * LARGEST_AMPLITUDE, "rad", fix=fix)
+            object.__setattr__(self, "travel", travel)
 
     def rate_with(self, gyro: GyroGrade, hull_rates: ArrayLike = (0.0, 0.0, 0.0)) -> float:
         """Largest rate of the mount, rad/s, that drive and range of the gyros both allow.

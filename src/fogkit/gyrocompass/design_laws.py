@@ -80,7 +80,11 @@ def best_law(
     ------
     ValueError
         If the mount is too slow for any law to be done once in the time.
+    TypeError
+        If `gyro` is no `GyroGrade` or `mount` no `MountLimits`.
     """
+    checks.instance("gyro", gyro, GyroGrade)
+    checks.instance("mount", mount, MountLimits)
     rate = mount.rate_with(gyro) if max_rate is None else max_rate
     laws = list(laws_within(mount, rate, duration))
     if not laws:

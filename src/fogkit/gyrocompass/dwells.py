@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from fogkit import checks
+from fogkit.gyrocompass.laws import LARGEST_AMPLITUDE
 from fogkit.gyrocompass.scan import ScanFit, fit_scan
+from fogkit.gyrocompass.tables import check_index
 from fogkit.imu.tables import GYRO_COLUMNS
 from fogkit.units import ARCMIN
 
@@ -137,7 +139,8 @@ def find_dwells(
     Raises
     ------
     ValueError
-        If a column is missing, an entry is not finite, time does not ascend, or nothing stands still for long enough.
+        If a column is missing, an entry is not finite, an angle beyond 10 turns (degrees?), time does not ascend or is
+        no index, or nothing stands still for long enough.
 
     Warns
     -----
@@ -147,7 +150,7 @@ def find_dwells(
     columns = tuple(columns)
     if len(columns) != 3:
         raise ValueError(f"`columns` must name the readings of three gyros, got {columns!r}")
-    checks.columns(table, (angle, *columns))
+    check_index(checks.columns(table, (angle, *columns)))
     settling, guard = (checks.non_negative(n, v, "s") for n, v in (("settling", settling), ("guard", guard)))
     shortest, tolerance = checks.positive("shortest", shortest, "s"), checks.positive("tolerance", tolerance, "rad")
     time = checks.finite_array("table.index", table.index.to_numpy(), shape=(None,), min_size=2)
@@ -155,6 +158,8 @@ def find_dwells(
         at = int(np.argmin(np.diff(time)))
         raise ValueError(f"`table.index` must ascend, got {time[at + 1]:g} s after {time[at]:g} s")
     turned = checks.finite_array(f"table[{angle!r}]", table[angle].to_numpy())
+    fix = "Multiply degrees by `fogkit.units.DEG`."
+    checks.in_closed_interval(f"table[{angle!r}]", np.abs(turned).max(), 0.0, LARGEST_AMPLITUDE, "rad", fix=fix)
     readings = checks.finite_array("readings", table[list(columns)].to_numpy())
 
     step = float(np.median(np.diff(time)))

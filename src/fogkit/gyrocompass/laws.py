@@ -24,8 +24,8 @@ Array = NDArray[np.float64]
 COARSEST_STEP = 0.1
 """Angle, rad, that a mount may turn between two samples: averages over a turn are then right to 0.1**2/24 = 4e-4."""
 
-LARGEST_AMPLITUDE = 200 * np.pi
-"""Amplitude, rad, above which degrees are suspected."""
+LARGEST_AMPLITUDE = 20 * np.pi
+"""Amplitude, rad, above which degrees are suspected: ten turns."""
 
 
 class MountLaw(ABC):
@@ -118,7 +118,7 @@ class QuasiHarmonic(MountLaw):
     Raises
     ------
     ValueError
-        If the period is not positive, or the amplitude not between 0 and 100 turns.
+        If the period is not positive, or the amplitude not between 0 and 10 turns.
 
     Examples
     --------
@@ -175,7 +175,7 @@ class ConstantSpeedReversal(MountLaw):
     Raises
     ------
     ValueError
-        If the period is not positive, the amplitude not between 0 and 100 turns, or reversals longer than half-periods.
+        If the period is not positive, the amplitude not between 0 and 10 turns, or reversals longer than half-periods.
     """
 
     amplitude: float
@@ -228,7 +228,7 @@ class DwellAndTurn(MountLaw):
     Raises
     ------
     ValueError
-        If there are less than two positions, or a time is not positive.
+        If there are less than two positions, one is more than 10 turns away, or a time is not positive.
     """
 
     positions: ArrayLike = (0.0, np.pi)
@@ -237,6 +237,7 @@ class DwellAndTurn(MountLaw):
 
     def __post_init__(self) -> None:
         positions = checks.finite_array("positions", self.positions, shape=(None,), min_size=2)
+        checks.in_closed_interval("positions", np.abs(positions).max(), 0.0, LARGEST_AMPLITUDE, "rad", fix=_DEGREES_FIX)
         object.__setattr__(self, "positions", tuple(positions.tolist()))
         for name in ("dwell", "turn_duration"):
             object.__setattr__(self, name, checks.positive(name, getattr(self, name), "s"))
@@ -302,6 +303,7 @@ class OneWay(MountLaw):
 
 
 _PERIOD_FIX = "The direction of a turn is not in the sign of its period."
+_DEGREES_FIX = "Multiply degrees by `fogkit.units.DEG`."
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -343,7 +345,6 @@ class SwitchedOn(MountLaw):
 
 def _check_law(law: MountLaw) -> None:
     amplitude = checks.positive("amplitude", law.amplitude, "rad")
-    fix = "Multiply degrees by `fogkit.units.DEG`."
-    amplitude = checks.in_closed_interval("amplitude", amplitude, 0.0, LARGEST_AMPLITUDE, "rad", fix=fix)
+    amplitude = checks.in_closed_interval("amplitude", amplitude, 0.0, LARGEST_AMPLITUDE, "rad", fix=_DEGREES_FIX)
     object.__setattr__(law, "amplitude", amplitude)
     object.__setattr__(law, "period", checks.positive("period", law.period, "s", fix=_PERIOD_FIX))

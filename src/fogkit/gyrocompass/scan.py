@@ -307,6 +307,10 @@ def _start(readings: Array, across: Array, up: float, powers: Array) -> Array:
         columns = [np.ones(len(readings)), across[:, g, 0], across[:, g, 1], *powers.T]
         fits.append(np.linalg.lstsq(np.column_stack(columns), readings[:, g])[0])
     means, ups, starboards, *trends = np.array(fits).T
+    if not ups @ ups > 0:
+        raise ValueError(
+            "`readings` must change with `angles`, got none that does: nothing is seen of the Earth's rate"
+        )
     ratio = ups @ starboards / (ups @ ups)  # level rate across over up rate
     scales = ups / up * EARTH_RATE
     level_over = ratio * up / np.sqrt(EARTH_RATE**2 - up**2)

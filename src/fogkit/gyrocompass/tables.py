@@ -7,10 +7,11 @@ step, rad. ``accel_x, accel_y, accel_z``: integrals of the specific force in the
 holds the angle at the end.
 """
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from fogkit import checks
 from fogkit.constants import STANDARD_GRAVITY
@@ -23,6 +24,8 @@ from fogkit.navigation.increments import time_step
 
 if TYPE_CHECKING:
     from pandas import DataFrame
+
+Array = NDArray[np.float64]
 
 MOUNT_COLUMN = "mount_angle"
 RECORDING_COLUMNS = (*IMU_COLUMNS, MOUNT_COLUMN)
@@ -51,12 +54,12 @@ def recording_from_frame(
     Raises
     ------
     ValueError
-        If a column is missing, times are not equally spaced, an entry before the last row is missing, or the last row
-        has increments.
+        If a column is missing, times are no index or not equally spaced, an entry before the last row is missing, or
+        the last row has increments.
     """
-    checks.columns(table, RECORDING_COLUMNS)
+    check_index(checks.columns(table, RECORDING_COLUMNS))
     _, dt = time_step(table, "table")
-    increments = table[list(IMU_COLUMNS)].to_numpy(dtype=float)
+    increments = _numbers(table, IMU_COLUMNS)
     if not np.isnan(increments[-1]).all():
         raise ValueError(
             "`table` must end with a row that holds the angle of the mount at the end and no increments (NaN), got "
@@ -106,12 +109,27 @@ def fixes_from_frame(table: "DataFrame", aid: Aid, start: float = 0.0) -> Fixes:
     Raises
     ------
     ValueError
-        If a column that `aid` measures is missing.
+        If a column that `aid` measures is missing, or times are no index.
     """
     measured = [name for name in MEASUREMENTS if name in checks.instance("aid", aid, Aid).std]
-    checks.columns(table, measured)
+    check_index(checks.columns(table, measured))
     values = np.full((len(table), 6), np.nan)
-    for k, name in enumerate(MEASUREMENTS):
-        if name in measured:
-            values[:, k] = table[name].to_numpy(dtype=float)
-    return Fixes(time=table.index.to_numpy(dtype=float) - checks.finite("start", start, "s"), values=values, aid=aid)
+    values[:, [MEASUREMENTS.index(name) for name in measured]] = _numbers(table, measured)
+    time = checks.finite_array("table.index", table.index.to_numpy(), ndim=1)
+    return Fixes(time=time - checks.finite("start", start, "s"), values=values, aid=aid)
+
+
+def check_index(table: "DataFrame") -> None:
+    """Refuse a table that has its times in a column, as a file that was read without naming its index."""
+    if "time" in table.columns and table.index.name != "time":
+        raise ValueError(
+            "`table` must have its times as the index, got a column 'time'. Use `table.set_index(\"time\")`"
+        )
+
+
+def _numbers(table: "DataFrame", columns: Sequence[str]) -> Array:
+    """Columns as numbers, shape (n, columns), after the check that they are; NaN may be among them."""
+    for name in columns:
+        if table[name].dtype.kind not in "iuf":
+            raise TypeError(f"`table[{name!r}]` must hold real numbers, got dtype {table[name].dtype}")
+    return table[list(columns)].to_numpy(dtype=float)

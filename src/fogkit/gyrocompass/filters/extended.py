@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from fogkit import checks
 from fogkit.gyrocompass.covariance import Noise, Prior, checked_covariance, multiple
-from fogkit.gyrocompass.filters import _kernels
+from fogkit.gyrocompass.filters import _extended_kernels
 from fogkit.gyrocompass.filters.records import Fixes, Recording
 from fogkit.gyrocompass.filters.runs import (
     MARGINS,
@@ -86,7 +86,7 @@ def run_extended(
     C = hull_attitude(start.heading, start.trim, start.roll)
     s = np.array([*start.velocity, lat, start.lon, start.alt, *np.zeros(6)])
     dt, *densities = arguments(recording, noise, 15, 9)
-    failure, step = _kernels.extended_run(
+    failure, step = _extended_kernels.extended_run(
         *(P, C, s, recording.dtheta, recording.dv, recording.mount_angle, recording.axes),
         *(EARTH_RADIUS, recording.gravity, dt, *densities),
         *(steps, fixes.values, fixes.variances, MARGINS, keep, states, covariances, nis),

@@ -125,7 +125,10 @@ class Fixes:
             raise ValueError(
                 f"`time` must ascend, got {time[at + 1]:g} s after {time[at]:g} s: sort late measurements in"
             )
-        values = np.array(self.values, dtype=float)
+        try:
+            values = np.array(self.values, dtype=float)
+        except (TypeError, ValueError):
+            raise TypeError("`values` must hold real numbers, and NaN where there is none") from None
         if values.shape != (len(time), 6):
             raise ValueError(f"`values` must be of shape ({len(time)}, 6), got {values.shape}")
         measured = np.isfinite(values)
@@ -249,7 +252,10 @@ def take_fixes(
     std = np.array([aid.std.get(name, np.nan) for name in MEASUREMENTS])
     values = truth + std * checks.generator("rng", rng).standard_normal(truth.shape)
     kept = np.ones(len(time), dtype=bool)
-    for start, end in lost:
+    for pair in lost:
+        if np.shape(pair) != (2,):
+            raise ValueError(f"`lost` must have pairs of a time and a later one, got {pair!r}. One gap is ((10, 20),)")
+        start, end = pair
         if not start < end:
             raise ValueError(f"`lost` must have pairs of a time and a later one, got ({start:g}, {end:g}) s")
         kept &= (time < start) | (time > end)
@@ -260,7 +266,8 @@ def take_fixes(
 
 def draw_start(motion: Motion, prior: Prior, rng: np.random.Generator) -> CompassState:
     """State that a compass takes at the start: the true one with errors of the standard deviations of `prior`."""
-    state = motion.states[0].copy()
+    state = checks.instance("motion", motion, Motion).states[0].copy()
+    checks.instance("prior", prior, Prior)
     std = np.sqrt(np.diag(prior.covariance(state[6], linear=False)))[:9]
     state += std * checks.generator("rng", rng).standard_normal(9)
     names = ("heading", "trim", "roll")
@@ -275,8 +282,8 @@ def draw_start(motion: Motion, prior: Prior, rng: np.random.Generator) -> Compas
 
 def _check_range(motion: Motion, gyro_range: float) -> None:
     """Refuse a motion that asks a gyro to read more than it can."""
-    if not gyro_range > 0:
-        raise ValueError(f"`gyro_range` must be > 0 rad/s, got {gyro_range!r}")
+    if not (isinstance(gyro_range, float) and gyro_range == np.inf):
+        gyro_range = checks.positive("gyro_range", gyro_range, "rad/s")
     rates = np.abs(motion.rates)
     step, gyro = np.unravel_index(np.argmax(rates), rates.shape)
     if rates[step, gyro] > gyro_range:

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from fogkit.gyrocompass.covariance import Noise, Prior
 from fogkit.gyrocompass.filters.records import Fixes, Recording
-from fogkit.gyrocompass.filters.wander import WanderRun, _run, wander_result
+from fogkit.gyrocompass.filters.wander import _run
+from fogkit.gyrocompass.filters.wander_estimates import WanderRun, wander_result
 from fogkit.gyrocompass.mechanisation import CompassState
 from fogkit.rotation import dcm_from_rotvec
 

@@ -86,7 +86,10 @@ CASES = {
         gyro=replace(LOW_COST, scale_asymmetry=20 * PPM), law=REVERSAL, lat=60 * DEG, velocity_std=0.001
     ),
 }
-"""Two where the bound for white noise is nearly reached, and four where it says too little or could."""
+"""Two where the bound for white noise is nearly reached, and four where it says too little or could.
+
+:meta hide-value:
+"""
 
 
 @cache

@@ -23,7 +23,8 @@ from fogkit.campaign import map_cases
 from fogkit.gyrocompass.accuracy import best_harmonic_amplitude
 from fogkit.gyrocompass.covariance import Aid, Noise, Prior, run_covariance
 from fogkit.gyrocompass.filters.records import draw_start, record, take_fixes
-from fogkit.gyrocompass.filters.wander import WanderRun, run_wander
+from fogkit.gyrocompass.filters.wander import run_wander
+from fogkit.gyrocompass.filters.wander_estimates import WanderRun
 from fogkit.gyrocompass.laws import ConstantSpeedReversal, MountLaw, QuasiHarmonic
 from fogkit.gyrocompass.motions import Motion, Vessel
 from fogkit.gyrocompass.mount_scale import scale_from_mount

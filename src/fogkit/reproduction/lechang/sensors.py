@@ -3,8 +3,9 @@
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from fogkit.gyrocompass.design import HeadingAccuracy, heading_accuracy, time_for, walk_for
+from fogkit.gyrocompass.design import HeadingAccuracy, heading_accuracy
 from fogkit.gyrocompass.design_inputs import GyroGrade
+from fogkit.gyrocompass.design_needs import time_for, walk_for
 from fogkit.gyrocompass.laws import Fixed, MountLaw, QuasiHarmonic
 from fogkit.reproduction.lechang import paper
 from fogkit.units import DEG, DEG_PER_HOUR, DEG_PER_SQRT_HOUR, MINUTE
