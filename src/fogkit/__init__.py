@@ -40,6 +40,7 @@ Modules, each importing only from those above it
 `fogkit.navigation`     strapdown mechanisation: attitude and velocity from increments
 `fogkit.calibration`    requirements, three stages, many positions, rate sequences, by navigation; uncertainty, plans
 `fogkit.gyrocompass`    gyrocompass on a rocked mount: equations, laws, accuracy, filters, scan of the Earth rate
+`fogkit.instrument`     one whole unit through every calibration to heading: what is left of each error
 `fogkit.campaign`       many runs of anything, on any executor
 `fogkit.claims`         the ledger of claims: what the papers state, and what became of it
 `fogkit.reproduction`   the papers: instruments, derivations, figures, values of the ledger
@@ -57,8 +58,8 @@ __version__ = "0.1.0"
 
 _MODULES = {
     *("calibration", "campaign", "checks", "claims", "cli", "constants", "earth", "estimation", "gyrocompass", "imu"),
-    *("io", "navigation", "noise", "optics", "plotting", "reproduction", "results", "rotation", "stand", "thermal"),
-    "units",
+    *("instrument", "io", "navigation", "noise", "optics", "plotting", "reproduction", "results", "rotation"),
+    *("stand", "thermal", "units"),
 }
 
 
